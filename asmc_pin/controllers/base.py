@@ -1,0 +1,54 @@
+"""What a controller sees and what it must offer.
+
+Controllers import numpy only and never see the plant: no mass matrix, no gravity, no friction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from asmc_pin._typing import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """What a drive reports at one control tick.
+
+    Attributes:
+        q: Joint angles (m for prismatic joints), shape (batch, nv), rad.
+        v: Joint velocities, shape (batch, nv), rad/s.
+        torque: Torque really applied over the last period, after the drive's limits; at t = 0 the torque it holds.
+            Shape (batch, nv), N·m.
+    """
+
+    q: Array
+    v: Array
+    torque: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Setpoint:
+    """The reference at one control tick; each field of shape (batch, nv).
+
+    Attributes:
+        q: Desired angle, rad.
+        v: Desired velocity, rad/s.
+        a: Desired acceleration, rad/s².
+    """
+
+    q: Array
+    v: Array
+    a: Array
+
+
+class Controller(Protocol):
+    """A control law: frozen parameters plus explicit state, on batches of trials."""
+
+    def init(self, sample: Sample) -> Any:
+        """State before the first tick, made from the sample of t = 0."""
+        ...
+
+    def step(self, state: Any, sample: Sample, setpoint: Setpoint) -> tuple[Array, Any]:
+        """Torque to hold over the next period, shape (batch, nv), and the next state. First called at t = 0."""
+        ...

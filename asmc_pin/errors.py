@@ -1,0 +1,79 @@
+"""Errors the package raises: one root, and leaves that carry the data they speak of.
+
+Every message says what was given, what was expected and how to mend it. The command line prints the message of any
+`AsmcPinError` without a traceback and exits with status 2.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class AsmcPinError(Exception):
+    """Root of every error that a user of the package can mend."""
+
+
+class ParameterError(AsmcPinError, ValueError):
+    """A parameter has a wrong size, sign or value.
+
+    Attributes:
+        parameter: Name of the offending parameter.
+    """
+
+    def __init__(self, parameter: str, message: str) -> None:
+        super().__init__(f"{parameter}: {message}")
+        self.parameter = parameter
+
+
+class ArmError(AsmcPinError):
+    """A URDF cannot be used as an arm.
+
+    Attributes:
+        source: The name or path that was given.
+    """
+
+    def __init__(self, source: str | Path, message: str) -> None:
+        super().__init__(message)
+        self.source = str(source)
+
+
+class NotPositiveDefinite(AsmcPinError):
+    """A mass matrix is not positive definite.
+
+    Attributes:
+        index: Index of the first such matrix among the leading axes.
+        smallest_eigenvalue: Its smallest eigenvalue, kg·m².
+    """
+
+    def __init__(self, index: tuple[int, ...], smallest_eigenvalue: float, message: str | None = None) -> None:
+        super().__init__(
+            message
+            or f"the mass matrix at index {index} is not positive definite (smallest eigenvalue "
+            f"{smallest_eigenvalue:.3g}); check the inertias of the arm, or add armature"
+        )
+        self.index = index
+        self.smallest_eigenvalue = smallest_eigenvalue
+
+
+class ExperimentError(AsmcPinError):
+    """An experiment file is malformed.
+
+    Attributes:
+        key: Path of the offending key, such as ``controllers.PPC.beta``; empty where the TOML itself is broken.
+    """
+
+    def __init__(self, key: str, message: str) -> None:
+        super().__init__(f"{key}: {message}" if key else message)
+        self.key = key
+
+
+class ResultError(AsmcPinError):
+    """A result folder is missing, incomplete, or would be overwritten.
+
+    Attributes:
+        path: The folder.
+    """
+
+    def __init__(self, path: str | Path, message: str) -> None:
+        super().__init__(message)
+        self.path = str(path)
