@@ -1,0 +1,46 @@
+# Two commands do everything: `make demo` and `make test`. Both need only Python 3.11+, make and pip.
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+PYTEST_ARGS ?= -n 2 --dist loadgroup
+PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
+
+.PHONY: demo test lint typecheck soundness bench docs clean
+
+demo: $(VENV)/.runtime  ## verify, compare and report on a UR5; results/demo/report.html
+	$(BIN)/asmc-pin demo
+
+test: $(VENV)/.dev  ## all tests
+	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+lint: $(VENV)/.dev
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+
+typecheck: $(VENV)/.dev
+	$(BIN)/mypy
+
+soundness: $(VENV)/.dev  ## thousands of random arms: no certificate is ever contradicted by search
+	$(BIN)/python -m pytest -m soundness $(PYTEST_ARGS)
+
+bench: $(VENV)/.dev  ## ratios, measured in one run
+	for file in benchmarks/*.py; do $(BIN)/python $$file || exit 1; done
+
+docs: $(VENV)/.dev  ## the generated parts of README.md and docs/
+	$(BIN)/python -m asmc_pin.report.readme README.md
+
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit("asmc_pin needs Python 3.11 or newer, and $(PYTHON) is %d.%d: run make PYTHON=python3.11" % sys.version_info[:2] if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/.runtime: $(BIN)/python pyproject.toml constraints.txt
+	@echo "Setting up $(VENV) (once, a few minutes)"
+	$(PIP_INSTALL) --editable .
+	@touch $@
+
+$(VENV)/.dev: $(VENV)/.runtime
+	$(PIP_INSTALL) --editable '.[dev]'
+	@touch $@
+
+clean:
+	rm -rf $(VENV) build dist results .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,0 +1,159 @@
+"""Options that several commands share, and the parsing of their values.
+
+ARM options name joints as the URDF does; every message says what was given and what was expected.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+import numpy as np
+import typer
+
+from asmc_pin.errors import ParameterError
+
+if TYPE_CHECKING:
+    from asmc_pin.arms import Arm
+
+ArmArgument: TypeAlias = Annotated[str, typer.Argument(metavar="ARM", help="A name (see 'asmc-pin arms') or a URDF path.")]
+MbarOption: TypeAlias = Annotated[
+    str, typer.Option("--mbar", metavar="M1,M2,…", help="Diagonal of M̄ in kg·m², base to tip, or one value for all joints.")
+]
+ConditionOption: TypeAlias = Annotated[
+    str, typer.Option("--condition", metavar="lemma1|weighted", help="lemma1: ‖I − M⁻¹M̄‖₂ < 1. weighted: M̄ ≺ 2M.")
+]
+BoxOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option("--box", metavar="JOINT=LO:HI", help="Range of a joint, rad or m; the rest keep the arm's own. Repeatable."),
+]
+PayloadOption: TypeAlias = Annotated[
+    str | None, typer.Option("--payload", metavar="KG|LO:HI", help="Point mass at the last moving link's frame, or a range of it.")
+]
+ArmatureOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option("--armature", metavar="A1,LO:HI,…", help="Reflected rotor inertia per joint, kg·m², values or ranges; or one for all."),
+]
+LockOption: TypeAlias = Annotated[
+    list[str] | None, typer.Option("--lock", metavar="JOINT=ANGLE", help="Lock a joint at an angle, rad or m. Repeatable.")
+]
+GravityOption: TypeAlias = Annotated[
+    str | None, typer.Option("--gravity", metavar="X,Y,Z", help="Gravity in the base frame, m/s²; 0,0,9.81 hangs it from a ceiling.")
+]
+JsonOption: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
+
+Range: TypeAlias = tuple[float, float]
+
+
+def number(text: str, option: str) -> float:
+    """One finite number, or a `ParameterError` that names the option."""
+    try:
+        value = float(text)
+    except ValueError:
+        raise ParameterError(option, f"'{text}' is not a number") from None
+    if not math.isfinite(value):
+        raise ParameterError(option, f"'{text}' is not a finite number")
+    return value
+
+
+def numbers(text: str, option: str) -> list[float]:
+    """Comma-separated numbers."""
+    return [number(part.strip(), option) for part in text.split(",")]
+
+
+def value_or_range(text: str, option: str) -> float | Range:
+    """``x`` or ``lo:hi`` with lo ≤ hi."""
+    lo, colon, hi = text.strip().partition(":")
+    if not colon:
+        return number(lo, option)
+    low, high = number(lo, option), number(hi, option)
+    if low > high:
+        raise ParameterError(option, f"the range '{text}' is empty: its lower end is above its upper end")
+    return low, high
+
+
+def assignments(items: Iterable[str] | None, option: str, expected: str) -> dict[str, str]:
+    """``name=value`` items as a dictionary."""
+    result: dict[str, str] = {}
+    for item in items or ():
+        name, equals, value = item.partition("=")
+        if not equals or not name or not value:
+            raise ParameterError(option, f"'{item}' is not of the form {expected}")
+        if name.strip() in result:
+            raise ParameterError(option, f"'{name.strip()}' is given twice")
+        result[name.strip()] = value
+    return result
+
+
+def parse_box(items: Iterable[str] | None) -> dict[str, Range] | None:
+    """``--box joint=lo:hi`` items as {joint: (lo, hi)}."""
+    box: dict[str, Range] = {}
+    for joint, text in assignments(items, "--box", "JOINT=LO:HI").items():
+        value = value_or_range(text, "--box")
+        if not isinstance(value, tuple):
+            raise ParameterError("--box", f"'{joint}={text}' is not of the form JOINT=LO:HI")
+        box[joint] = value
+    return box or None
+
+
+def parse_payload(text: str | None) -> float | Range | None:
+    """``--payload`` as a mass or a range of masses, kg."""
+    return None if text is None else value_or_range(text, "--payload")
+
+
+def parse_armature(text: str | None) -> list[float | Range] | float | Range | None:
+    """``--armature`` as per-joint values or ranges, or one for all joints, kg·m²."""
+    if text is None:
+        return None
+    parts = [value_or_range(part, "--armature") for part in text.split(",")]
+    return parts[0] if len(parts) == 1 else parts
+
+
+def open_arm(source: str, *, lock: list[str] | None = None, gravity: str | None = None, **options: Any) -> Arm:
+    """Load an arm as the command line describes it, its warnings on standard error.
+
+    Args:
+        source: ARM.
+        lock: ``joint=angle`` items.
+        gravity: ``x,y,z``.
+        options: Further keywords of `asmc_pin.load_arm`.
+    """
+    from asmc_pin.arms import load_arm
+
+    locks = {j: number(v, "--lock") for j, v in assignments(lock, "--lock", "JOINT=ANGLE").items()}
+    if gravity is not None:
+        options["gravity"] = numbers(gravity, "--gravity")
+    arm = load_arm(source, lock=locks or None, **options)
+    for warning in arm.warnings:
+        note(f"warning: {warning}")
+    return arm
+
+
+def note(message: str) -> None:
+    """A remark on standard error, where it never mixes with a result."""
+    print(f"asmc-pin: {message}", file=sys.stderr)
+
+
+def print_json(value: dict[str, Any]) -> None:
+    """Print one strictly valid JSON object: undefined figures become null."""
+    print(json.dumps(_plain(value), ensure_ascii=False, allow_nan=False, indent=2))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Path):
+        return str(value)
+    return value
