@@ -27,7 +27,7 @@ bench: $(VENV)/.dev  ## ratios, measured in one run
 	for file in benchmarks/*.py; do $(BIN)/python $$file || exit 1; done
 
 docs: $(VENV)/.dev  ## the generated parts of README.md and docs/
-	$(BIN)/python -m asmc_pin.report.readme README.md
+	$(BIN)/python docs/generate.py
 
 $(BIN)/python:
 	@$(PYTHON) -c 'import sys; sys.exit("asmc_pin needs Python 3.11 or newer, and $(PYTHON) is %d.%d: run make PYTHON=python3.11" % sys.version_info[:2] if sys.version_info < (3, 11) else 0)'
