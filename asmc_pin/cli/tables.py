@@ -1,0 +1,60 @@
+"""`asmc-pin arms` and `asmc-pin controllers`, and the rows that README.md shows too."""
+
+from __future__ import annotations
+
+from asmc_pin.cli.app import app
+from asmc_pin.cli.options import JsonOption, print_json
+
+Rows = tuple[list[str], list[list[str]]]
+
+
+def arm_rows() -> Rows:
+    """Header and rows of the table of named arms."""
+    from asmc_pin.arms import arms_table
+
+    rows = arms_table()
+    header = list(rows[0])
+    return header, [[str(row[key]) for key in header] for row in rows]
+
+
+def controller_rows() -> Rows:
+    """Header and rows of the table of control laws."""
+    from asmc_pin.controllers import controllers_table
+
+    rows = controllers_table()
+    header = list(rows[0])
+    return header, [[str(row[key]) for key in header] for row in rows]
+
+
+def metric_rows() -> Rows:
+    """Header and rows of the table of metrics."""
+    from asmc_pin.metrics import METRICS
+
+    header = ["metric", "unit", "definition"]
+    return header, [[name, metric.unit, metric.formula] for name, metric in METRICS.items()]
+
+
+def _print(title: str, table: Rows, as_json: bool) -> None:
+    header, rows = table
+    if as_json:
+        print_json({title: [dict(zip(header, row, strict=True)) for row in rows]})
+        return
+    from rich.console import Console
+    from rich.table import Table
+
+    view = Table(*header, title=None, box=None, pad_edge=False)
+    for row in rows:
+        view.add_row(*row)
+    Console(soft_wrap=False).print(view)
+
+
+@app.command()
+def arms(as_json: JsonOption = False) -> None:
+    """List the arms that have a name."""
+    _print("arms", arm_rows(), as_json)
+
+
+@app.command()
+def controllers(as_json: JsonOption = False) -> None:
+    """List the control laws and their parameters."""
+    _print("controllers", controller_rows(), as_json)
