@@ -1,0 +1,12 @@
+"""The sampled closed loop: its exact linear map, where it is stable, and what margins and errors it has."""
+
+from asmc_pin.condition.stability.linear_map import (
+    ClosedLoop,
+    closed_loop,
+    inertia_ratios,
+    modal_radius,
+    spectral_radius,
+)
+from asmc_pin.condition.stability.loop import SampledLoop
+
+__all__ = ["ClosedLoop", "SampledLoop", "closed_loop", "inertia_ratios", "modal_radius", "spectral_radius"]

@@ -1,0 +1,174 @@
+"""The linear map of the sampled loop against the controller itself, closed forms, and a simulation tick by tick."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.linalg import expm
+
+from asmc_pin._typing import Array
+from asmc_pin.condition.stability import SampledLoop, closed_loop, inertia_ratios, modal_radius, spectral_radius
+from asmc_pin.controllers import CONTROLLERS, Sample, Setpoint
+from asmc_pin.errors import NotPositiveDefinite, ParameterError
+
+MASS = np.array([[0.7, 0.2, 0.05], [0.2, 0.3, 0.04], [0.05, 0.04, 0.09]])
+MBAR = np.array([0.15, 0.1, 0.04])
+KS = np.array([12.0, 20.0, 31.0])
+TIMINGS = [
+    {"acceleration": acceleration, "filter_hz": filter_hz, "delay": delay}
+    for acceleration in ("velocity", "position")
+    for filter_hz in (None, 35.0)
+    for delay in (0.0, 0.35, 1.0, 2.6)
+]
+
+
+def drive_the_real_controller(
+    loop: SampledLoop,
+    ticks: int,
+    *,
+    viscous: Array | None = None,
+    stiffness: Array | None = None,
+    load: Array | None = None,
+) -> tuple[Array, Array]:
+    """Angles and velocities at the ticks, with `ppc` from the package and the joint solved by matrix exponentials."""
+    n = loop.nv
+    law = CONTROLLERS["ppc"](
+        mbar=loop.mbar, ks=loop.ks, beta=float(loop.beta[0]), period=loop.period,
+        acceleration=loop.acceleration, filter_hz=loop.filter_hz,
+    )  # fmt: skip
+    damping = np.zeros((n, n)) if viscous is None else np.diag(viscous)
+    spring = np.zeros((n, n)) if stiffness is None else stiffness
+    load = np.zeros(n) if load is None else load
+    inverse = np.linalg.inv(MASS)
+    rates = np.zeros((3 * n, 3 * n))
+    rates[:n, n : 2 * n] = np.eye(n)
+    rates[n : 2 * n] = np.hstack([-inverse @ spring, -inverse @ damping, inverse])
+    whole, fraction = divmod(loop.delay, 1.0)
+    history = [np.zeros(n)] * (int(whole) + 2)
+    q, v, reported = np.array([0.01, -0.02, 0.015]), np.array([0.1, 0.05, -0.2]), np.zeros(n)
+    zero = Setpoint(np.zeros((1, n)), np.zeros((1, n)), np.zeros((1, n)))
+    sample = Sample(q[None], v[None], reported[None])
+    state = law.init(sample)
+    seen = []
+    for _ in range(ticks):
+        seen.append(np.concatenate([q, v]))
+        torque, state = law.step(state, Sample(q[None], v[None], reported[None]), zero)
+        history = [torque[0], *history[:-1]]
+        recent, older = history[int(whole)], history[int(whole) + 1]
+        for share, acting in ((fraction, older), (1.0 - fraction, recent)):
+            x = expm(rates * share * loop.period) @ np.concatenate([q, v, acting - load])
+            q, v = x[:n], x[n : 2 * n]
+        reported = fraction * older + (1.0 - fraction) * recent
+    states = np.array(seen)
+    return states[:, :n], states[:, n:]
+
+
+@pytest.mark.parametrize("timing", TIMINGS, ids=str)
+@pytest.mark.parametrize("surroundings", ["free", "viscous", "gravity"])
+def test_map_is_the_controller_on_a_constant_inertia_tick_by_tick(timing: dict, surroundings: str) -> None:
+    loop = SampledLoop(MBAR, KS, 25.0, 0.002, **timing)
+    viscous = np.array([0.3, 1.0, 0.2]) if surroundings != "free" else None
+    stiffness = np.array([[9.0, 2, 0], [2, -4, 1], [0, 1, 3.0]]) if surroundings == "gravity" else None
+    load = np.array([0.4, -0.3, 0.1])
+    q, v = drive_the_real_controller(loop, 60, viscous=viscous, stiffness=stiffness, load=load)
+    system = closed_loop(MASS, loop, viscous=viscous, stiffness=stiffness)
+    z = np.zeros(system.matrix.shape[-1])
+    # At t = 0 the controller takes the past as unaccelerated motion at v(0) and the drive holds no torque.
+    z[system.blocks["q"]], z[system.blocks["v"]] = q[0], v[0]
+    if "slope" in system.blocks:
+        z[system.blocks["slope"]] = v[0]
+    for k in range(60):
+        np.testing.assert_allclose(z[system.blocks["q"]], q[k], rtol=1e-9, atol=1e-13)
+        np.testing.assert_allclose(z[system.blocks["v"]], v[k], rtol=1e-9, atol=1e-11)
+        z = system.matrix @ z + system.load @ load
+
+
+@pytest.mark.parametrize(("a", "gain", "radius"), [(0.0114, 20, 0.9994), (0.0114, 30, 1.0014), (0.0114, 50, 1.0049)])
+def test_lemma_1_holds_and_yet_the_sampled_loop_is_unstable(a: float, gain: float, radius: float) -> None:
+    assert abs(1.0 - a) < 1.0  # Lemma 1 for this mode
+    loop = SampledLoop(1.0, gain, gain, 0.001)
+    assert modal_radius(np.array([a]), loop)[0] == pytest.approx(radius, abs=5e-5)
+
+
+def test_large_mbar_is_unstable_from_53() -> None:
+    def radius(gain: float) -> float:
+        return float(modal_radius(np.array([1.9]), SampledLoop(1.0, gain, gain, 0.001))[0])
+
+    assert radius(52.6) < 1.0 < radius(52.7)
+
+
+@settings(max_examples=200, deadline=None)
+@given(a=st.floats(0.003, 2.2), beta=st.floats(0.5, 400.0), ks=st.floats(0.5, 400.0), period=st.floats(0.0005, 0.004))
+def test_closed_form_of_the_plain_loop(a: float, beta: float, ks: float, period: float) -> None:
+    # docs/stability.md, from the Jury criterion on the loop's cubic.
+    fast = (beta + ks) * period - (4.0 / a - 2.0)
+    slow = beta * ks * period * (1.0 / a - 0.5) - (beta + ks)
+    radius = float(modal_radius(np.array([a]), SampledLoop(1.0, ks, beta, period))[0])
+    if min(abs(fast), abs(slow) / (beta + ks)) > 1e-6 and abs(a - 2.0) > 1e-6:
+        assert (radius < 1.0) == (a < 2.0 and fast < 0.0 and slow < 0.0)
+
+
+@pytest.mark.parametrize("timing", TIMINGS, ids=str)
+def test_one_mode_at_a_time_gives_the_radius_of_the_full_map(timing: dict) -> None:
+    loop = SampledLoop(MBAR, 18.0, 25.0, 0.002, **timing)
+    assert loop.modal
+    assert spectral_radius(MASS, loop) == pytest.approx(float(closed_loop(MASS, loop).spectral_radius()), abs=2e-9)
+
+
+@pytest.mark.parametrize("timing", TIMINGS, ids=str)
+def test_semi_implicit_substeps_converge_to_held_torque_at_first_order(timing: dict) -> None:
+    loop = SampledLoop(MBAR, KS, 25.0, 0.002, **timing)
+    viscous, stiffness = np.array([0.3, 1.0, 0.2]), np.diag([9.0, -4.0, 3.0])
+    exact = closed_loop(MASS, loop, viscous=viscous, stiffness=stiffness).matrix
+    errors = [
+        np.abs(closed_loop(MASS, loop, viscous=viscous, stiffness=stiffness, substeps=s).matrix - exact).max()
+        for s in (200, 400)
+    ]
+    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.05)
+
+
+def test_ratios_are_the_eigenvalues_of_the_paper_s_matrix() -> None:
+    expected = np.sort(np.linalg.eigvals(np.linalg.solve(MASS, np.diag(MBAR))).real)
+    np.testing.assert_allclose(inertia_ratios(MASS, MBAR), expected, rtol=1e-12)
+
+
+def test_delay_is_continuous_across_whole_periods() -> None:
+    def radius(delay: float) -> float:
+        return float(spectral_radius(MASS, SampledLoop(MBAR, KS, 25.0, 0.002, delay=delay)))
+
+    for whole in (1, 2):
+        assert radius(whole - 1e-7) == pytest.approx(radius(whole), abs=1e-5)
+        assert radius(whole + 1e-7) == pytest.approx(radius(whole), abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"ks": [1.0, 2.0]}, "ks: got .* expected a number or 3 of them"),
+        ({"ks": -1.0}, "ks: .*positive"),
+        ({"beta": math.nan}, "beta: .*finite"),
+        ({"mbar": [0.1, 0.0, 0.1]}, "mbar: .*positive"),
+        ({"period": 0.0}, "period: .*positive time in s"),
+        ({"period": math.inf}, "period: "),
+        ({"acceleration": "speed"}, "acceleration: got 'speed'; expected 'velocity' or 'position'"),
+        ({"filter_hz": -3.0}, "filter_hz: "),
+        ({"delay": -0.5}, "delay: .*0 or more"),
+        ({"delay": math.nan}, "delay: "),
+    ],
+)  # fmt: skip
+def test_bad_gains_are_refused_with_advice(change: dict, message: str) -> None:
+    good = {"mbar": MBAR, "ks": KS, "beta": 25.0, "period": 0.002}
+    with pytest.raises(ParameterError, match=message):
+        SampledLoop(**(good | change))
+
+
+def test_an_indefinite_inertia_is_refused() -> None:
+    bad = np.stack([MASS, MASS - 0.2 * np.eye(3)])
+    with pytest.raises(NotPositiveDefinite) as caught:
+        spectral_radius(bad, SampledLoop(MBAR, KS, 25.0, 0.002))
+    assert caught.value.index == (1,)
+    assert caught.value.smallest_eigenvalue < 0.0
