@@ -1,0 +1,257 @@
+"""An arm: its dynamics as equation (1) of Baek (2016) without friction, and what its URDF declares."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from asmc_pin._typing import Array, BoolArray
+from asmc_pin.arms.options import Lock
+from asmc_pin.arms.payload import Payload
+from asmc_pin.arms.tree import Tree
+from asmc_pin.errors import ArmError, ParameterError
+
+
+class Unchanged:
+    """Stands for an option of `Arm.replace` that was not given; None means "as the arm was loaded without it"."""
+
+
+_UNCHANGED = Unchanged()
+
+
+@dataclass(frozen=True)
+class Variant:
+    """The options an arm was loaded with, as given to `load_arm`."""
+
+    payload: float | Payload | Mapping[str, Any] | None = None
+    armature: float | Sequence[float] | Array | Mapping[str, float] | None = None
+    lock: Lock | None = None
+    gravity: Sequence[float] | Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Arm:
+    """A robot arm on a fixed base; immutable, arrays read-only. Make one with `load_arm`.
+
+    M(q) q̈ + C(q, q̇) q̇ + g(q) = τ − f(q̇): this class gives M, C and g; friction and damping are reported, the plant applies them.
+    Every joint has one coordinate: rad, rad/s, N·m, kg·m² where it turns, m, m/s, N, kg where it slides.
+
+    Attributes:
+        name: The name it is known by, or the file's stem.
+        joint_names: Moving joints, base first; locked ones are not among them.
+        joint_kinds: ``"revolute"`` or ``"prismatic"``, per joint.
+        continuous: Whether a joint turns without end, shape (nv,).
+        lower: Lower limits, shape (nv,), −inf where undeclared.
+        upper: Upper limits, shape (nv,), +inf where undeclared.
+        effort_limit: Torque limits, shape (nv,), inf where undeclared.
+        velocity_limit: Velocity limits, shape (nv,), inf where undeclared.
+        friction: Coulomb friction as the URDF declares it, shape (nv,), N·m.
+        damping: Viscous friction, shape (nv,), N·m·s/rad.
+        armature: Reflected rotor inertia, shape (nv,), part of M(q).
+        gravity_vector: Acceleration of gravity in the base frame, shape (3,), m/s².
+        link_names: All links, those behind fixed and locked joints included.
+        locked: Joints that were locked, and where.
+        payload: What it carries, with the link resolved; None for nothing.
+        warnings: What was taken otherwise than written, in plain words.
+        source: The URDF file.
+        sha256: Hex digest of the URDF's bytes.
+        urdf_text: The URDF as it stands.
+        package_dirs: Folders in which ``package://`` paths of its meshes may be found.
+        model: Pinocchio's model, nq == nv. Treat it as read-only.
+        tree: The same in plain arrays, for compiled kernels.
+    """
+
+    name: str
+    joint_names: tuple[str, ...]
+    joint_kinds: tuple[str, ...]
+    continuous: BoolArray
+    lower: Array
+    upper: Array
+    effort_limit: Array
+    velocity_limit: Array
+    friction: Array
+    damping: Array
+    armature: Array
+    gravity_vector: Array
+    link_names: tuple[str, ...]
+    locked: Mapping[str, float]
+    payload: Payload | None
+    warnings: tuple[str, ...]
+    source: Path
+    sha256: str
+    urdf_text: str
+    package_dirs: tuple[Path, ...]
+    model: pin.Model = field(repr=False)
+    tree: Tree = field(repr=False)
+    given: str | Path = field(repr=False)
+    variant: Variant = field(repr=False)
+    _local: threading.local = field(default_factory=threading.local, repr=False)
+
+    @property
+    def nv(self) -> int:
+        """Number of moving joints."""
+        return len(self.joint_names)
+
+    @property
+    def box(self) -> tuple[Array, Array]:
+        """Joint box, lower and upper, each of shape (nv,) and finite.
+
+        A turning joint that is continuous or declares no limit gets one full turn.
+
+        Raises:
+            ArmError: A prismatic joint declares no limit, so no box can be assumed.
+        """
+        lower, upper = self.lower.copy(), self.upper.copy()
+        for i, kind in enumerate(self.joint_kinds):
+            if np.isfinite(lower[i]) and np.isfinite(upper[i]):
+                continue
+            if kind == "prismatic":
+                name = self.joint_names[i]
+                raise ArmError(
+                    self.source,
+                    f"joint '{name}' of {self.name} slides and declares no limits, so its range cannot be guessed; give it in "
+                    f"metres: --box {name}=lo:hi",
+                )
+            if np.isfinite(lower[i]):
+                upper[i] = lower[i] + 2.0 * np.pi
+            elif np.isfinite(upper[i]):
+                lower[i] = upper[i] - 2.0 * np.pi
+            else:
+                lower[i], upper[i] = -np.pi, np.pi
+        return lower, upper
+
+    def mass_matrix(self, q: Array) -> Array:
+        """Joint-space inertia M(q), armature included.
+
+        Args:
+            q: Shape (..., nv).
+
+        Returns:
+            Shape (..., nv, nv), exactly symmetric.
+        """
+        return self._batched(pin.crba, (self.nv, self.nv), q=q)
+
+    def coriolis(self, q: Array, v: Array) -> Array:
+        """The matrix C(q, q̇) of Christoffel symbols: C q̇ is the Coriolis and centrifugal torque, Ṁ − 2C is skew-symmetric.
+
+        Args:
+            q: Shape (..., nv).
+            v: Shape (..., nv).
+
+        Returns:
+            Shape (..., nv, nv).
+        """
+        return self._batched(pin.computeCoriolisMatrix, (self.nv, self.nv), q=q, v=v)
+
+    def gravity(self, q: Array) -> Array:
+        """Torque g(q) that holds the arm against gravity.
+
+        Args:
+            q: Shape (..., nv).
+
+        Returns:
+            Shape (..., nv).
+        """
+        return self._batched(pin.computeGeneralizedGravity, (self.nv,), q=q)
+
+    def bias(self, q: Array, v: Array) -> Array:
+        """C(q, q̇) q̇ + g(q), without friction.
+
+        Args:
+            q: Shape (..., nv).
+            v: Shape (..., nv).
+
+        Returns:
+            Shape (..., nv).
+        """
+        return self._batched(pin.nonLinearEffects, (self.nv,), q=q, v=v)
+
+    def forward_dynamics(self, q: Array, v: Array, torque: Array) -> Array:
+        """Acceleration M⁻¹(τ − C q̇ − g), without friction.
+
+        Args:
+            q: Shape (..., nv).
+            v: Shape (..., nv).
+            torque: Shape (..., nv).
+
+        Returns:
+            Shape (..., nv).
+        """
+        return self._batched(pin.aba, (self.nv,), q=q, v=v, torque=torque)
+
+    def link_poses(self, q: Array) -> Array:
+        """Pose of every link in the base frame, in the order of `link_names`.
+
+        Args:
+            q: Shape (..., nv).
+
+        Returns:
+            Homogeneous matrices, shape (..., nlinks, 4, 4), m.
+        """
+        frames = [self.model.getFrameId(name, pin.FrameType.BODY) for name in self.link_names]
+
+        def poses(model: pin.Model, data: pin.Data, q: Array) -> list[Array]:
+            pin.framesForwardKinematics(model, data, q)
+            return [data.oMf[frame].homogeneous for frame in frames]
+
+        return self._batched(poses, (len(frames), 4, 4), q=q)
+
+    def replace(
+        self,
+        *,
+        payload: float | Payload | Mapping[str, Any] | Unchanged | None = _UNCHANGED,
+        armature: float | Sequence[float] | Array | Mapping[str, float] | Unchanged | None = _UNCHANGED,
+        lock: Lock | Unchanged | None = _UNCHANGED,
+        gravity: Sequence[float] | Array | Unchanged | None = _UNCHANGED,
+    ) -> Arm:
+        """The same URDF with other options; one that is not given stays as it is, None takes it away.
+
+        Args:
+            payload: As in `load_arm`.
+            armature: As in `load_arm`.
+            lock: As in `load_arm`.
+            gravity: As in `load_arm`.
+
+        Returns:
+            A new arm.
+        """
+        from asmc_pin.arms.load import rebuild
+
+        changes = {"payload": payload, "armature": armature, "lock": lock, "gravity": gravity}
+        kept = {name: getattr(self.variant, name) for name in changes}
+        return rebuild(self, Variant(**(kept | {k: v for k, v in changes.items() if not isinstance(v, Unchanged)})))
+
+    def _batched(self, function: Callable[..., Any], shape: tuple[int, ...], **arguments: Array) -> Array:
+        """Apply a Pinocchio function over the leading axes of its arguments, which broadcast."""
+        arrays = []
+        for name, value in arguments.items():
+            try:
+                array = np.asarray(value, dtype=np.float64)
+            except (TypeError, ValueError):
+                raise ParameterError(name, f"{value!r} given, numbers expected") from None
+            if array.ndim == 0 or array.shape[-1] != self.nv:
+                raise ParameterError(
+                    name,
+                    f"shape {array.shape} given, (..., {self.nv}) expected: one value per joint ({', '.join(self.joint_names)})",
+                )
+            arrays.append(array)
+        lead = np.broadcast_shapes(*(array.shape[:-1] for array in arrays))
+        flat = [np.broadcast_to(array, (*lead, self.nv)).reshape(-1, self.nv) for array in arrays]
+        out = np.empty((flat[0].shape[0], *shape))
+        data = self._data()
+        for k, row in enumerate(zip(*flat, strict=True)):
+            out[k] = function(self.model, data, *row)
+        return out.reshape(*lead, *shape)
+
+    def _data(self) -> pin.Data:
+        """Pinocchio's scratch memory, one per thread."""
+        data = getattr(self._local, "data", None)
+        if data is None:
+            data = self._local.data = self.model.createData()
+        return data

@@ -1,0 +1,133 @@
+"""A URDF file as text: found, parsed without expanding entities, and recognised for what it is."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.parsers import expat
+
+from lxml import etree
+
+from asmc_pin.errors import ArmError
+
+
+@dataclass(frozen=True)
+class Document:
+    """One URDF file.
+
+    Attributes:
+        path: Where it lies.
+        text: The file as it stands.
+        sha256: Hex digest of its bytes.
+        root: The ``<robot>`` element, without comments and processing instructions.
+    """
+
+    path: Path
+    text: str
+    sha256: str
+    root: Any
+
+
+class _Entity(Exception):
+    """The file declares an entity."""
+
+
+def _refuse_entity(name: str, *_: object) -> None:
+    raise _Entity(name)
+
+
+def _scan(path: Path, data: bytes) -> None:
+    """Refuse malformed XML and any entity declaration, before a parser that would expand one sees the file.
+
+    lxml leaves entities alone in text but libxml2 still expands them in attribute values, where a URDF keeps its numbers.
+    """
+    parser = expat.ParserCreate()
+    parser.EntityDeclHandler = _refuse_entity
+    try:
+        parser.Parse(data, True)
+    except _Entity as entity:
+        raise ArmError(
+            path,
+            f"{path}: the XML declares the entity '{entity}'; entities are not expanded here, because they can read other "
+            "files or grow without end. Replace each &name; by its value and remove the <!ENTITY …> lines",
+        ) from None
+    except expat.ExpatError as error:
+        raise ArmError(
+            path,
+            f"{path}: line {error.lineno}, column {error.offset + 1}: not well-formed XML "
+            f"({expat.errors.messages[error.code]}). Mend the file there; `xmllint --noout FILE` shows the same place",
+        ) from None
+
+
+def _is_xacro(path: Path, data: bytes, root: Any | None) -> bool:
+    if root is None:
+        return path.suffix == ".xacro" or b"<xacro:" in data
+    # A generated URDF often keeps the namespace declaration; only what still has to be expanded counts.
+    for element in root.iter():
+        if isinstance(element.tag, str) and "xacro" in element.tag.partition("}")[0]:
+            return True
+        if any("${" in value or "$(" in value for value in element.attrib.values()):
+            return True
+    return False
+
+
+def _recognise(path: Path, root: Any) -> None:
+    """Say what a file is that is not a URDF, and how to turn it into one."""
+    if root.tag == "robot":
+        if root.find("link") is None:
+            raise ArmError(
+                path, f"{path}: <robot> holds no <link>; a URDF needs at least two links and a joint between them"
+            )
+        return
+    if root.tag in ("mujoco", "mujocoinclude"):
+        raise ArmError(
+            path,
+            f"{path}: this is a MuJoCo model (MJCF), not a URDF. Use the URDF that its maker publishes, or convert it with "
+            'the package mjcf-urdf-simple-converter: python -c "from mjcf_urdf_simple_converter import convert; '
+            "convert('in.xml', 'out.urdf')\", and check masses, inertias and joint limits afterwards",
+        )
+    if root.tag in ("sdf", "gazebo"):
+        raise ArmError(path, f"{path}: this is a Gazebo model (SDF), not a URDF; use the URDF that its maker publishes")
+    raise ArmError(path, f"{path}: the root element is <{root.tag}>, a URDF has <robot>")
+
+
+def read_document(path: Path) -> Document:
+    """Read a URDF file.
+
+    Args:
+        path: The file.
+
+    Returns:
+        Its text and its parsed tree.
+
+    Raises:
+        ArmError: The file cannot be read, is not well-formed, declares entities, or is xacro, MJCF or SDF.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        what = "is a folder, not a URDF file" if path.is_dir() else f"cannot be read ({error.strerror})"
+        raise ArmError(path, f"{path}: {what}") from None
+    _scan(path, data)
+    parser = etree.XMLParser(
+        resolve_entities=False, no_network=True, load_dtd=False, remove_comments=True, remove_pis=True
+    )
+    root: Any | None
+    try:
+        root = etree.fromstring(data, parser)
+        problem = ""
+    except etree.XMLSyntaxError as error:
+        root, problem = None, str(error)
+    if _is_xacro(path, data, root):
+        raise ArmError(
+            path,
+            f"{path}: this is a xacro file, a template for a URDF. Expand it first: xacro {path.name} > "
+            f"{path.name.removesuffix('.xacro').removesuffix('.urdf')}.urdf (ROS brings xacro, and so does `pip install xacro`)",
+        )
+    if root is None:
+        raise ArmError(path, f"{path}: not well-formed XML ({problem})")
+    _recognise(path, root)
+    text = data.decode(root.getroottree().docinfo.encoding or "utf-8", errors="replace")
+    return Document(path=path, text=text, sha256=hashlib.sha256(data).hexdigest(), root=root)

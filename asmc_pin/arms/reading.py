@@ -1,0 +1,215 @@
+"""What a URDF says, as yourdfpy reads it: it keeps the mimic, friction, damping and limit data that Pinocchio drops."""
+
+from __future__ import annotations
+
+import copy
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import yourdfpy
+from lxml import etree
+
+from asmc_pin._typing import Array
+from asmc_pin.arms.document import Document
+from asmc_pin.arms.inertia import inertia_problem
+from asmc_pin.arms.structure import MOVING, check_structure, where
+from asmc_pin.errors import ArmError
+
+# A joint of the dynamics-only XML never meets this; Pinocchio only wants to see a range.
+_WIDE = "1e6"
+
+# Some files give a joint and a link the same name, which Pinocchio cannot tell apart when it locks a joint.
+JOINT_PREFIX = "__joint__:"
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A joint that follows another: value = multiplier · master + offset."""
+
+    joint: str
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class Joint:
+    """One joint of a URDF that can move; SI units.
+
+    Attributes:
+        name: Its name.
+        kind: ``revolute`` or ``prismatic``.
+        continuous: Whether it turns without end.
+        parent: Parent link.
+        child: Child link.
+        lower: Lower limit, −inf where undeclared.
+        upper: Upper limit, +inf where undeclared.
+        effort: Torque limit, inf where undeclared.
+        velocity: Velocity limit, inf where undeclared.
+        friction: Coulomb friction, N·m (N).
+        damping: Viscous friction, N·m·s/rad (N·s/m).
+        mimic: The joint that it follows.
+        where: The joint and its place in the file, for messages.
+    """
+
+    name: str
+    kind: str
+    continuous: bool
+    parent: str
+    child: str
+    lower: float
+    upper: float
+    effort: float
+    velocity: float
+    friction: float
+    damping: float
+    mimic: Mimic | None
+    where: str
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A checked URDF.
+
+    Attributes:
+        document: The file.
+        joints: Joints that can move, by name.
+        fixed: Fixed joints, name to (parent link, child link).
+        links: Link masses by name, 0 where a link carries no inertia.
+        xml: The same robot for Pinocchio: dynamics only, every continuous joint an unbounded revolute one,
+            and `JOINT_PREFIX` before every joint's name.
+        warnings: What was taken otherwise than written.
+    """
+
+    document: Document
+    joints: Mapping[str, Joint]
+    fixed: Mapping[str, tuple[str, str]]
+    links: Mapping[str, float]
+    xml: str
+    warnings: tuple[str, ...]
+
+
+def _stripped(document: Document) -> Any:
+    """The tree without what dynamics does not need, so that neither reader looks for meshes or trips over extensions."""
+    root = etree.Element("robot", name=document.root.get("name") or document.path.stem)
+    keep = {"link": {"inertial"}, "joint": {"parent", "child", "origin", "axis", "limit", "dynamics", "mimic"}}
+    for element in document.root:
+        if element.tag in keep:
+            attributes = {key: element.get(key) for key in ("name", "type") if element.get(key) is not None}
+            slim = etree.SubElement(root, element.tag, attributes)
+            slim.extend(copy.deepcopy(part) for part in element if part.tag in keep[element.tag])
+    return root
+
+
+def _float(value: object, default: float) -> float:
+    return default if value is None else float(value)  # type: ignore[arg-type]
+
+
+def _joint(document: Document, raw: Any, element: Any) -> Joint:
+    limit = raw.limit or yourdfpy.Limit()
+    dynamics = raw.dynamics or yourdfpy.Dynamics()
+    lower, upper = _float(limit.lower, 0.0), _float(limit.upper, 0.0)
+    continuous = raw.type == "continuous"
+    if continuous or lower == upper == 0.0:
+        lower, upper = -np.inf, np.inf
+    place = where(document, element)
+    if lower > upper:
+        raise ArmError(document.path, f"{place}: lower limit {lower:g} above upper limit {upper:g}; exchange them")
+    effort, velocity = _float(limit.effort, 0.0), _float(limit.velocity, 0.0)
+    friction, damping = _float(dynamics.friction, 0.0), _float(dynamics.damping, 0.0)
+    for what, value in (("friction", friction), ("damping", damping)):
+        if value < 0.0:
+            raise ArmError(
+                document.path, f"{place}: {what} {value:g} is negative, which would drive the joint; make it positive"
+            )
+    mimic = raw.mimic and Mimic(raw.mimic.joint, _float(raw.mimic.multiplier, 1.0), _float(raw.mimic.offset, 0.0))
+    return Joint(
+        name=raw.name,
+        kind="prismatic" if raw.type == "prismatic" else "revolute",
+        continuous=continuous,
+        parent=raw.parent,
+        child=raw.child,
+        lower=lower,
+        upper=upper,
+        effort=effort if effort > 0.0 else np.inf,
+        velocity=velocity if velocity > 0.0 else np.inf,
+        friction=friction,
+        damping=damping,
+        mimic=mimic,
+        where=place,
+    )
+
+
+def _pinocchio_xml(root: Any) -> str:
+    """Rewrite the stripped tree so that Pinocchio gives every joint one coordinate and no friction, damping or limit."""
+    root = copy.deepcopy(root)
+    for joint in root.findall("joint"):
+        joint.set("name", JOINT_PREFIX + joint.get("name"))
+        for tag in ("limit", "dynamics", "mimic"):
+            for element in joint.findall(tag):
+                joint.remove(element)
+        axis = joint.find("axis")
+        if joint.get("type") == "fixed":
+            if axis is not None:
+                joint.remove(axis)
+            continue
+        if joint.get("type") == "continuous":
+            joint.set("type", "revolute")
+        if axis is not None:
+            direction: Array = np.array([float(x) for x in axis.get("xyz", "1 0 0").split()])
+            axis.set("xyz", " ".join(repr(float(x)) for x in direction / np.linalg.norm(direction)))
+        etree.SubElement(joint, "limit", lower=f"-{_WIDE}", upper=_WIDE, effort=_WIDE, velocity=_WIDE)
+    for inertial in root.iter("inertial"):
+        inertia = inertial.find("inertia")
+        for product in ("ixy", "ixz", "iyz"):
+            inertia.set(product, inertia.get(product, "0"))
+    text: str = etree.tostring(root, encoding="unicode")
+    return text
+
+
+def _check_inertias(document: Document, links: list[Any]) -> list[str]:
+    warnings = []
+    elements = {element.get("name"): element for element in document.root.findall("link")}
+    for link in links:
+        if link.inertial is None:
+            continue
+        problem = inertia_problem(link.inertial.mass, link.inertial.inertia)
+        if problem:
+            raise ArmError(document.path, f"{where(document, elements[link.name])}: {problem}")
+        if link.inertial.mass == 0.0 and np.any(link.inertial.inertia):
+            warnings.append(f"link '{link.name}' has a rotational inertia but no mass")
+    return warnings
+
+
+def read_robot(document: Document) -> Robot:
+    """Check a URDF and read it.
+
+    Args:
+        document: The file.
+
+    Returns:
+        Its joints and links, and the XML for Pinocchio.
+
+    Raises:
+        ArmError: The URDF is at fault; the message names the joint or link, the line, and how to mend it.
+    """
+    check_structure(document)
+    root = _stripped(document)
+    for inertia in root.iter("inertia"):
+        for product in ("ixy", "ixz", "iyz"):
+            inertia.set(product, inertia.get(product, "0"))
+    raw = yourdfpy.URDF.load(
+        io.BytesIO(etree.tostring(root)), build_scene_graph=False, load_meshes=False, filename_handler=lambda name: name
+    ).robot
+    elements = {element.get("name"): element for element in document.root.findall("joint")}
+    warnings = _check_inertias(document, raw.links)
+    return Robot(
+        document=document,
+        joints={j.name: _joint(document, j, elements[j.name]) for j in raw.joints if j.type in MOVING},
+        fixed={j.name: (j.parent, j.child) for j in raw.joints if j.type not in MOVING},
+        links={link.name: float(link.inertial.mass) if link.inertial else 0.0 for link in raw.links},
+        xml=_pinocchio_xml(root),
+        warnings=tuple(warnings),
+    )
