@@ -1,1 +1,119 @@
-"""Control laws."""
+"""Control laws: frozen parameters plus explicit state, on batches of trials, blind to the arm that they drive.
+
+A law of your own: docs/controllers.md.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from asmc_pin.controllers.baek2016 import Baek2016
+from asmc_pin.controllers.base import Controller, Sample, Setpoint
+from asmc_pin.controllers.bsmc import Bsmc
+from asmc_pin.controllers.parameters import (
+    REQUIRED,
+    Choice,
+    OptionalScalar,
+    Parameter,
+    PerJoint,
+    Scalar,
+    parameters_of,
+)
+from asmc_pin.controllers.plestan2010 import Plestan2010
+from asmc_pin.controllers.ppc import Ppc
+from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, TdeState, signed, sliding_variable
+
+__all__ = [
+    "CONTROLLERS",
+    "AdaptiveState",
+    "Baek2016",
+    "Bsmc",
+    "Choice",
+    "Controller",
+    "LawInfo",
+    "OptionalScalar",
+    "Parameter",
+    "ParameterInfo",
+    "PerJoint",
+    "Plestan2010",
+    "Ppc",
+    "Sample",
+    "Scalar",
+    "Setpoint",
+    "TdeLaw",
+    "TdeState",
+    "controllers_table",
+    "shared_parameters",
+    "signed",
+    "sliding_variable",
+]
+
+CONTROLLERS: dict[str, type[TdeLaw]] = {"ppc": Ppc, "bsmc": Bsmc, "plestan2010": Plestan2010, "baek2016": Baek2016}
+"""The laws by the names that experiments use."""
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterInfo:
+    """One parameter, as the tables show it.
+
+    Attributes:
+        name: Its name in Python and in TOML.
+        meaning: What it is; the paper's letter where there is one.
+        unit: Its unit, empty if it has none.
+        per_joint: Whether one value per joint may be given.
+        required: Whether it has to be given.
+        default: What is used otherwise.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    per_joint: bool
+    required: bool
+    default: object
+
+
+@dataclass(frozen=True, slots=True)
+class LawInfo:
+    """One law, as the tables show it.
+
+    Attributes:
+        name: Its name in `CONTROLLERS`.
+        title: What it is, in words.
+        equation: Its torque and adaptation in one line.
+        reference: Where it comes from.
+        parameters: Its own parameters, beyond the shared ones.
+    """
+
+    name: str
+    title: str
+    equation: str
+    reference: str
+    parameters: tuple[ParameterInfo, ...]
+
+
+def controllers_table() -> tuple[LawInfo, ...]:
+    """Every registered law with its own parameters, in the order of `CONTROLLERS`."""
+    shared = parameters_of(TdeLaw)
+    return tuple(
+        LawInfo(
+            name,
+            law.title,
+            law.equation,
+            law.reference,
+            tuple(_describe(item) for key, item in parameters_of(law).items() if key not in shared),
+        )
+        for name, law in CONTROLLERS.items()
+    )
+
+
+def shared_parameters() -> tuple[ParameterInfo, ...]:
+    """The parameters that every law takes."""
+    return tuple(_describe(item) for item in parameters_of(TdeLaw).values())
+
+
+def _describe(item: Parameter[object, object]) -> ParameterInfo:
+    required = item.default is REQUIRED
+    return ParameterInfo(
+        item.name, item.meaning, item.unit, isinstance(item, PerJoint), required, None if required else item.default
+    )

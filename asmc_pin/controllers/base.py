@@ -43,7 +43,16 @@ class Setpoint:
 
 
 class Controller(Protocol):
-    """A control law: frozen parameters plus explicit state, on batches of trials."""
+    """A control law: frozen parameters plus explicit state, on batches of trials.
+
+    Two attributes are optional and only serve the log: ``ks``, with which the sliding variable s is computed, and
+    ``gain`` of the state, (batch, nv), rad/s², where a law has an adaptive gain.
+    """
+
+    @property
+    def period(self) -> float:
+        """Control period L, s."""
+        ...
 
     def init(self, sample: Sample) -> Any:
         """State before the first tick, made from the sample of t = 0."""

@@ -1,0 +1,79 @@
+"""The proposed adaptive sliding mode control of Baek, Jin and Han (2016)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+
+from asmc_pin._typing import Array
+from asmc_pin.controllers.base import Sample, Setpoint
+from asmc_pin.controllers.parameters import PerJoint, Scalar
+from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, signed
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Baek2016(TdeLaw):
+    """Baek 2016 (9): τ = PPC + M̄ K̂ sgn(s), K̂ = diag(k̂₁ … k̂ₙ) adapted by (11).
+
+    A gain grows with |sᵢ| while any joint is outside ε, and shrinks with 1/|sᵢ| once all are inside.
+
+    Attributes:
+        phi: φ, adaptation rate, scalar or nv values, above 0, rad/s³.
+        alpha: α, the size of |sᵢ| at which growing and shrinking are equally fast, scalar or nv values, above 0, rad/s.
+        epsilon: ε, scalar, above 0, rad/s; one comparison ‖s‖_∞ ≥ ε decides for all joints.
+        threshold: A k̂ at or below it counts as 0, rad/s²; the paper's experiments use 1e-4.
+    """
+
+    title: ClassVar[str] = "proposed adaptive sliding mode control"
+    equation: ClassVar[str] = "τ = PPC + M̄ K̂ sgn(s);  dk̂ᵢ/dt = φᵢ (|sᵢ|/αᵢ)^θ θ, θ = sgn(‖s‖_∞ − ε)"
+    reference: ClassVar[str] = "Baek, Jin, Han (2016), eqs. (9)–(11)"
+
+    phi: PerJoint = PerJoint("φ", "rad/s³", above=0.0)
+    alpha: PerJoint = PerJoint("α", "rad/s", above=0.0)
+    epsilon: Scalar = Scalar("ε", "rad/s", above=0.0)
+    threshold: Scalar = Scalar("k̂ at or below it counts as 0", "rad/s²", at_least=0.0, default=0.0)
+
+    def init(self, sample: Sample) -> AdaptiveState:
+        """State before the first tick, from the sample of t = 0; k̂₀ = 0."""
+        return AdaptiveState(self.start(sample), np.zeros(sample.q.shape))
+
+    def step(self, state: AdaptiveState, sample: Sample, setpoint: Setpoint) -> tuple[Array, AdaptiveState]:
+        """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
+        torque, s, tde = self.pole_placement(state.tde, sample, setpoint)
+        gain = self.adapt(state.gain, s)
+        return torque + self.mbar * signed(gain, s), AdaptiveState(tde, gain)
+
+    def adapt(self, gain: Array, s: Array) -> Array:
+        """One explicit step of the adaptive law (11), over L with s held.
+
+        θ = sgn(‖s‖_∞ − ε) with sgn(0) = +1. k̂ᵢ + L φᵢ|sᵢ|/αᵢ if θ = +1 or k̂ᵢ ≤ threshold, else
+        max(0, k̂ᵢ − L φᵢαᵢ/|sᵢ|), which is 0 for sᵢ = 0. The branch is that of k̂_{k−1}; none is changed inside a tick.
+
+        Args:
+            gain: k̂_{k−1}, (batch, nv), rad/s².
+            s: s_k, (batch, nv), rad/s.
+
+        Returns:
+            k̂_k, (batch, nv), rad/s², never negative.
+        """
+        size = np.abs(s)
+        outside = np.maximum.reduce(size, axis=-1, keepdims=True) >= self.epsilon
+        grown = gain + self._growth * size
+        # Divided only where something of k̂ remains: there the quotient is below k̂, so that |s| → 0 cannot overflow.
+        drop = np.divide(self._drop, size, out=gain.copy(), where=gain * size > self._drop)
+        return np.where(outside | (gain <= self.threshold), grown, np.maximum(0.0, gain - drop))
+
+    @cached_property
+    def _growth(self) -> Array:
+        """L φ/α, what k̂ gains in a tick per unit of |s|."""
+        growth: Array = self.period * self.phi / self.alpha
+        return growth
+
+    @cached_property
+    def _drop(self) -> Array:
+        """L φα, what k̂ loses in a tick times |s|."""
+        drop: Array = self.period * self.phi * self.alpha
+        return drop

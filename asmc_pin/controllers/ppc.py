@@ -1,0 +1,24 @@
+"""PPC: pole-placement control with time-delay estimation, and nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from asmc_pin._typing import Array
+from asmc_pin.controllers.base import Sample, Setpoint
+from asmc_pin.controllers.tde import TdeLaw, TdeState
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ppc(TdeLaw):
+    """Baek 2016 (7): τ = τ(t−L) − M̄ q̈(t−L) + M̄ (q̈_d + K_s ė + β s). Parameters: those of `TdeLaw`."""
+
+    title: ClassVar[str] = "pole placement with time-delay estimation (PPC)"
+    equation: ClassVar[str] = "τ = τ(t−L) − M̄ q̈(t−L) + M̄ (q̈_d + K_s ė + β s)"
+    reference: ClassVar[str] = "Baek, Jin, Han (2016), eq. (7)"
+
+    def step(self, state: TdeState, sample: Sample, setpoint: Setpoint) -> tuple[Array, TdeState]:
+        """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
+        torque, _, state = self.pole_placement(state, sample, setpoint)
+        return torque, state

@@ -1,0 +1,196 @@
+r"""Pole-placement control with time-delay estimation, the part that every law here shares.
+
+In the letters of Baek, Jin and Han (2016), equations by their numbers there:
+
+    e = q_d − q,   (4)  s = ė + K_s e
+    (6)  Γ̂(t) = q̈(t−L) − M̄⁻¹ τ(t−L)
+    (7)  τ = τ(t−L) − M̄ q̈(t−L) + M̄ (q̈_d + K_s ė + β s)
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, fields, replace
+from functools import partial
+from typing import Any, ClassVar, NamedTuple, Self
+
+import numpy as np
+
+from asmc_pin._typing import Array
+from asmc_pin.controllers.base import Sample, Setpoint
+from asmc_pin.controllers.parameters import Choice, OptionalScalar, PerJoint, Scalar, match_joints
+from asmc_pin.errors import ParameterError
+
+
+def sliding_variable(ks: Array | float, sample: Sample, setpoint: Setpoint) -> Array:
+    """The sliding variable (4), s = ė + K_s e with e = q_d − q.
+
+    Args:
+        ks: Diagonal of K_s, a scalar or shape (nv,), 1/s.
+        sample: What the drives report; fields of shape (..., nv).
+        setpoint: The reference there; fields that broadcast against the sample's.
+
+    Returns:
+        s, shape (..., nv), rad/s; positive where the joint lags behind a reference that moves up.
+    """
+    return (setpoint.v - sample.v) + ks * (setpoint.q - sample.q)
+
+
+def signed(gain: Array, s: Array) -> Array:
+    """The switching term K̂ sgn(s) for K̂ ≥ 0, with sgn(0) = +1 (10) and no smoothing."""
+    return np.copysign(gain, s + 0.0)  # the sum makes +0.0 of −0.0
+
+
+class TdeState(NamedTuple):
+    """What time-delay estimation remembers between two ticks.
+
+    Attributes:
+        ticks: Number of ticks taken.
+        position: q at the last tick, (batch, nv), rad; kept up only with ``acceleration="position"``.
+        velocity: v at the last tick, or with ``acceleration="position"`` (q_k − q_{k−1})/L there, (batch, nv), rad/s.
+        acceleration: The estimate of q̈(t−L) used at the last tick, filtered if a filter is set, (batch, nv), rad/s².
+    """
+
+    ticks: int
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+
+class AdaptiveState(NamedTuple):
+    """State of a law with an adaptive gain.
+
+    Attributes:
+        tde: What the estimation remembers.
+        gain: k̂ of this tick, (batch, nv), rad/s²; all columns equal where one gain is shared by the joints.
+    """
+
+    tde: TdeState
+    gain: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TdeLaw(ABC):
+    r"""Parameters of (7), and (7) itself. The laws derive from it and add their own term.
+
+    What the loop is can be read from the attributes below; the sampled-data analysis does.
+
+    Attributes:
+        mbar: Diagonal of M̄, scalar or nv values, above 0, kg·m².
+        ks: Diagonal of K_s, scalar or nv values, above 0, 1/s.
+        beta: β, above 0, 1/s.
+        period: Control period L, above 0, s.
+        acceleration: How q̈(t−L) is estimated: ``"velocity"``, (v_k − v_{k−1})/L, or ``"position"``,
+            (q_k − 2 q_{k−1} + q_{k−2})/L².
+        filter_hz: Corner frequency of a first-order low-pass on that estimate, above 0, Hz; None for no filter.
+
+    Raises:
+        ParameterError: a parameter has a wrong type, size or sign, or is not finite.
+    """
+
+    title: ClassVar[str] = ""
+    equation: ClassVar[str] = ""
+    reference: ClassVar[str] = ""
+
+    mbar: PerJoint = PerJoint("diagonal of M̄", "kg·m²", above=0.0)
+    ks: PerJoint = PerJoint("diagonal of K_s", "1/s", above=0.0)
+    beta: Scalar = Scalar("β", "1/s", above=0.0)
+    period: Scalar = Scalar("control period L", "s", above=0.0)
+    acceleration: Choice = Choice("estimate of q̈(t−L)", ("velocity", "position"), default="velocity")
+    filter_hz: OptionalScalar = OptionalScalar("low-pass corner of that estimate", "Hz", above=0.0)
+
+    def __post_init__(self) -> None:
+        match_joints(self)
+
+    @property
+    def nv(self) -> int | None:
+        """Number of joints that the parameters are for; None if every one of them is a scalar and fits any arm."""
+        return int(self.mbar.size) if self.mbar.ndim else None
+
+    @property
+    def filter_weight(self) -> float:
+        """Weight c of the newest value in the low-pass y_k = y_{k−1} + c (x_k − y_{k−1}); 1 without a filter.
+
+        c = 1 − exp(−2π f L), the exact discretisation of a first-order lag whose input is held over L.
+        """
+        return 1.0 if self.filter_hz is None else -math.expm1(-2.0 * math.pi * self.filter_hz * self.period)
+
+    def for_joints(self, nv: int) -> Self:
+        """The same law with every per-joint parameter of shape (nv,).
+
+        Raises:
+            ParameterError: the law is for another number of joints.
+        """
+        self._check_joints(nv)
+        return self if self.nv is not None else replace(self, mbar=np.full(nv, self.mbar))
+
+    def init(self, sample: Sample) -> Any:
+        """State before the first tick, from the sample of t = 0; a law with a state of its own overrides it."""
+        return self.start(sample)
+
+    @abstractmethod
+    def step(self, state: Any, sample: Sample, setpoint: Setpoint) -> tuple[Array, Any]:
+        """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
+
+    def start(self, sample: Sample) -> TdeState:
+        """State of the estimation before the first tick.
+
+        Raises:
+            ParameterError: the sample's fields are not all (batch, nv), or nv is not that of the parameters.
+        """
+        shape = sample.q.shape
+        if len(shape) != 2 or sample.v.shape != shape or sample.torque.shape != shape:
+            raise ParameterError(
+                "sample",
+                f"q, v and torque have the shapes {shape}, {sample.v.shape} and {sample.torque.shape}; "
+                "expected (batch, nv) for all three",
+            )
+        self._check_joints(shape[1])
+        return TdeState(0, sample.q.copy(), sample.v.copy(), np.zeros(shape))
+
+    def estimate_acceleration(self, state: TdeState, sample: Sample) -> TdeState:
+        """The estimate of q̈(t−L) at this tick, in the next state of the estimation.
+
+        At the first tick nothing is known and the estimate is 0: before t = 0 the arm is taken to have moved on at v_0
+        unaccelerated. With ``"position"`` that also defines the second tick, q_{−1} = q_0 − L v_0: its estimate is
+        ((q_1 − q_0)/L − v_0)/L. A filter starts from the 0 of the first tick.
+        """
+        # Copies: the caller may reuse the arrays of the sample for the next one.
+        if state.ticks == 0:
+            return TdeState(1, sample.q.copy(), sample.v.copy(), np.zeros(sample.q.shape))
+        if self.acceleration == "velocity":
+            position, velocity = state.position, sample.v.copy()
+        else:
+            position = sample.q.copy()
+            velocity = (position - state.position) / self.period
+        estimate = (velocity - state.velocity) / self.period
+        if self.filter_hz is not None:
+            estimate = state.acceleration + self.filter_weight * (estimate - state.acceleration)
+        return TdeState(state.ticks + 1, position, velocity, estimate)
+
+    def pole_placement(self, state: TdeState, sample: Sample, setpoint: Setpoint) -> tuple[Array, Array, TdeState]:
+        """The shared control (7).
+
+        Args:
+            state: What the estimation remembers of the last tick.
+            sample: What the drives report now; its torque is τ(t−L).
+            setpoint: The reference now.
+
+        Returns:
+            The torque (7), (batch, nv), N·m; the sliding variable s (4), (batch, nv), rad/s; the next state.
+        """
+        state = self.estimate_acceleration(state, sample)
+        s = sliding_variable(self.ks, sample, setpoint)
+        wanted = setpoint.a + self.ks * (setpoint.v - sample.v) + self.beta * s
+        return sample.torque + self.mbar * (wanted - state.acceleration), s, state
+
+    def _check_joints(self, nv: int) -> None:
+        if self.nv is not None and self.nv != nv:
+            raise ParameterError(
+                "mbar", f"has {self.nv} values but the arm has {nv} joints; give {nv} values or a single number"
+            )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Through the constructor, so that a copy in another process is as read-only as this one.
+        return partial(type(self), **{f.name: getattr(self, f.name) for f in fields(self)}), ()

@@ -1,0 +1,30 @@
+"""Trajectories to follow: position, velocity and acceleration in closed form, in rad, rad/s and rad/s²."""
+
+from __future__ import annotations
+
+from asmc_pin.references.base import Reference
+from asmc_pin.references.check import check_reference, required_torque
+from asmc_pin.references.csv_path import CsvPath
+from asmc_pin.references.moves import Quintic, Ramps
+from asmc_pin.references.periodic import Fourier, Multisine
+
+__all__ = [
+    "REFERENCES",
+    "CsvPath",
+    "Fourier",
+    "Multisine",
+    "Quintic",
+    "Ramps",
+    "Reference",
+    "check_reference",
+    "required_torque",
+]
+
+REFERENCES: dict[str, type[Quintic | Multisine | Ramps | Fourier | CsvPath]] = {
+    "quintic": Quintic,
+    "multisine": Multisine,
+    "ramps": Ramps,
+    "fourier": Fourier,
+    "csv": CsvPath,
+}
+"""The kinds of reference by the names that experiments use."""

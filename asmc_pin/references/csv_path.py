@@ -1,0 +1,161 @@
+"""A joint path from a CSV file, made smooth by a spline."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
+
+from asmc_pin._typing import Array
+from asmc_pin.controllers.base import Setpoint
+from asmc_pin.controllers.parameters import Choice
+from asmc_pin.errors import ParameterError
+from asmc_pin.references.base import as_times, held_outside
+
+_DEGREE = {"cubic": 3, "quintic": 5}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CsvPath:
+    """A joint path through the rows of a CSV file, with the header ``t,q1,…,qn`` or ``t`` and the joints' names.
+
+    Times are in s, angles in rad (m for prismatic joints). A spline goes through every row and gives velocity and
+    acceleration: a cubic one (acceleration continuous) or a quintic one (its next two derivatives too). Before the
+    first and after the last row the path holds that row.
+
+    Attributes:
+        path: The file.
+        joints: Which columns to take, in this order; default all in the order of the file.
+        spline: ``"cubic"`` or ``"quintic"``.
+        ends: ``"free"``: the rows alone shape the ends (not-a-knot); ``"rest"``: it starts and ends with velocity 0,
+            and with ``"quintic"`` acceleration 0 too.
+        columns: The joints' names as the header has them, in the order taken.
+        times: The times of the rows, s, read-only.
+        points: The rows, (rows, nv), rad, read-only.
+
+    Raises:
+        ParameterError: the file cannot be read, or a row is malformed; the message names the line.
+    """
+
+    path: str | Path
+    joints: Sequence[str] | None = None
+    spline: Choice = Choice("spline through the rows", ("cubic", "quintic"), default="cubic")
+    ends: Choice = Choice("how it starts and ends", ("free", "rest"), default="free")
+    columns: tuple[str, ...] = field(init=False)
+    times: Array = field(init=False, repr=False)
+    points: Array = field(init=False, repr=False)
+    _curve: CubicSpline | BSpline = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        names, times, points = _read(Path(self.path))
+        if self.joints is not None:
+            missing = [name for name in self.joints if name not in names]
+            if missing or not self.joints:
+                raise ParameterError(
+                    "joints", f"{self.path} has no column {', '.join(missing)}; it has {', '.join(names)}"
+                )
+            points = np.ascontiguousarray(points[:, [names.index(name) for name in self.joints]])
+            names = list(self.joints)
+        curve = _interpolate(str(self.path), times, points, _DEGREE[self.spline], self.ends == "rest")
+        for array in (times, points):
+            array.setflags(write=False)
+        for name, value in (("columns", tuple(names)), ("times", times), ("points", points), ("_curve", curve)):
+            object.__setattr__(self, name, value)
+
+    @property
+    def nv(self) -> int:
+        """Number of joints."""
+        return int(self.points.shape[1])
+
+    @property
+    def duration(self) -> float:
+        """Time of the last row, s."""
+        return float(self.times[-1])
+
+    @property
+    def joint_names(self) -> tuple[str, ...] | None:
+        """The joints that the header names; None where it only numbers them."""
+        numbered = all(re.fullmatch(r"q\d+", name) for name in self.columns)
+        return None if numbered else self.columns
+
+    def evaluate(self, t: Array) -> Setpoint:
+        """The reference at the times t, (T,), s; fields of shape (T, nv)."""
+        t = as_times(t)
+        first, last = self.times[0], self.times[-1]
+        inside = (t >= first) & (t <= last)
+        q, v, a = (np.asarray(self._curve(np.clip(t, first, last), nu)) for nu in range(3))
+        return held_outside(inside, q, v, a)
+
+
+def _interpolate(path: str, times: Array, points: Array, degree: int, rest: bool) -> CubicSpline | BSpline:
+    least = 2 if rest else degree + 1
+    if len(times) < least:
+        raise ParameterError(
+            "path", f"{path} has {len(times)} row(s); a spline of degree {degree} needs at least {least}"
+        )
+    if degree == 3:
+        return CubicSpline(times, points, bc_type="clamped" if rest else "not-a-knot")
+    still = np.zeros(points.shape[1])
+    ends: Any = ([(1, still), (2, still)],) * 2 if rest else None
+    return make_interp_spline(times, points, k=degree, bc_type=ends)
+
+
+def _read(path: Path) -> tuple[list[str], Array, Array]:
+    """Column names, times (rows,) and angles (rows, nv)."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
+        raise ParameterError("path", f"cannot read {path}: {reason}") from error
+    reader = csv.reader(io.StringIO(text, newline=""))
+    try:
+        rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+    except csv.Error as error:
+        raise ParameterError("path", f"{path}, line {reader.line_num}: {error}") from error
+    if not rows:
+        raise ParameterError("path", f"{path} is empty; expected a header t,q1,…,qn and rows of numbers")
+    names = _header(path, *rows[0])
+    table = np.array([_numbers(path, line, row, len(names)) for line, row in rows[1:]]).reshape(-1, len(names))
+    for before, (line, _), now in zip(table[:-1, 0], rows[2:], table[1:, 0], strict=True):
+        if now <= before:
+            raise ParameterError("path", f"{path}, line {line}: time {now:g} s follows {before:g} s; it must increase")
+    return names[1:], table[:, 0].copy(), np.ascontiguousarray(table[:, 1:])
+
+
+def _header(path: Path, line: int, row: list[str]) -> list[str]:
+    names = [cell.strip() for cell in row]
+    where = f"{path}, line {line}"
+    if len(names) < 2 or names[0].lower() not in ("t", "time"):
+        raise ParameterError(
+            "path", f"{where}: the header is {','.join(names)!r}; expected t,q1,…,qn, or t and the joints' names"
+        )
+    if "" in names or len(set(names)) != len(names):
+        raise ParameterError("path", f"{where}: a column has no name, or two have the same; name each joint once")
+    numbered = [f"q{i}" for i in range(1, len(names))]
+    if set(names[1:]) == set(numbered) and names[1:] != numbered:
+        raise ParameterError("path", f"{where}: the columns are {','.join(names)!r}; put them in the order q1,…,qn")
+    return names
+
+
+def _numbers(path: Path, line: int, row: list[str], count: int) -> list[float]:
+    where = f"{path}, line {line}"
+    if len(row) != count:
+        raise ParameterError("path", f"{where}: {len(row)} value(s), but the header names {count} columns")
+    values = []
+    for cell in row:
+        try:
+            value = float(cell)
+        except ValueError:
+            raise ParameterError("path", f"{where}: {cell.strip()!r} is not a number") from None
+        if not math.isfinite(value):
+            raise ParameterError("path", f"{where}: {cell.strip()!r} is not finite; remove the row or fill the gap")
+        values.append(value)
+    return values
