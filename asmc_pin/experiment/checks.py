@@ -1,0 +1,219 @@
+"""What is wrong with an experiment, as a list: nothing here raises, so that one run shows every mistake."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from asmc_pin.arms import Arm
+from asmc_pin.controllers import CONTROLLERS
+from asmc_pin.errors import ExperimentError
+from asmc_pin.experiment.constructors import Problem, Signature, construct, nearest
+from asmc_pin.experiment.laws import load_law
+from asmc_pin.experiment.schema import ExperimentTables
+from asmc_pin.references import REFERENCES
+
+_RESERVED = {"period": "stands once, at the top of the file, for every controller"}
+
+
+def table_problems(error: ValidationError) -> list[Problem]:
+    """Pydantic's findings in our words: the key's path, what was given, the nearest known key."""
+    problems = []
+    for item in error.errors(include_url=False):
+        path, model = _locate(item["loc"])
+        last = str(item["loc"][-1]) if item["loc"] else ""
+        given = item["input"]
+        if item["type"] == "extra_forbidden":
+            message = f"unknown key: {nearest(last, model.model_fields)}"
+        elif item["type"] == "missing":
+            message = "is missing"
+        elif item["type"] == "string_pattern_mismatch":
+            message = f"got {given!r}; expected letters, digits, '.', '_' and '-', starting with a letter or digit"
+        elif item["type"] in ("model_type", "dict_type"):
+            message = f"must be a table, got {given!r}"
+        elif item["type"] == "value_error":
+            message = str(item["ctx"]["error"])
+        else:
+            text = item["msg"].removeprefix("Input ")
+            message = f"{text[:1].lower()}{text[1:]}, got {given!r}"
+        problems.append(Problem(path, message))
+    return problems
+
+
+def _locate(loc: Sequence[str | int]) -> tuple[str, type[BaseModel]]:
+    """Path in the file, and the table that holds its last key; pydantic's own tags of types are left out."""
+    model: type[BaseModel] = ExperimentTables
+    path = ""
+    for depth, part in enumerate(loc):
+        if isinstance(part, int):
+            path += f"[{part}]"
+            continue
+        path = f"{path}.{part}" if path else part
+        field = model.model_fields.get(part)
+        inner = _model_of(field.annotation) if field is not None else None
+        if inner is not None and depth + 1 < len(loc):
+            model = inner
+    return path, model
+
+
+def _model_of(annotation: Any) -> type[BaseModel] | None:
+    for kind in (annotation, *get_args(annotation)):
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            return kind
+    return None
+
+
+def reference_problems(table: Any, folder: Path) -> tuple[Any, list[Problem]]:
+    """The reference that a ``[reference]`` table describes, and what is wrong with the table."""
+    if not isinstance(table, Mapping):
+        return None, []  # the schema has said so
+    if "kind" not in table:
+        return None, [Problem("reference.kind", f"is missing; one of {', '.join(REFERENCES)}")]
+    kind = table["kind"]
+    if kind not in REFERENCES:
+        return None, [Problem("reference.kind", f"there is no kind {kind!r}: {nearest(str(kind), REFERENCES)}")]
+    cls = REFERENCES[kind]
+    signature = Signature(cls)
+    values = {key: value for key, value in table.items() if key != "kind"}
+    problems = [
+        Problem(f"reference.{key}", f"unknown key of kind '{kind}': {nearest(key, signature.names)}")
+        for key in values
+        if not signature.takes(key)
+    ]
+    if problems:
+        return None, problems
+    if isinstance(values.get("path"), str):
+        values["path"] = str(folder / values["path"])  # an absolute one stays as it is
+    return construct(cls, values, "reference")
+
+
+def controller_problems(data: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], list[Problem]]:
+    """The controllers of a file by label, and what is wrong with their tables and with ``[defaults]``."""
+    defaults = data.get("defaults", {})
+    tables = data.get("controllers")
+    if not isinstance(tables, Mapping) or not isinstance(defaults, Mapping):
+        return {}, []
+    made: dict[str, Any] = {}
+    problems: list[Problem] = []
+    signatures = [Signature(law) for law in CONTROLLERS.values()]
+    for label, table in tables.items():
+        path = f"controllers.{label}"
+        if not isinstance(table, Mapping):
+            if label == "law":
+                problems.append(Problem(path, "a law stands in a table of its own, [controllers.LABEL]"))
+            continue
+        law, found = _law(table, folder, path)
+        problems += found
+        if law is None:
+            continue
+        signature = Signature(law)
+        signatures.append(signature)
+        found = _unknown_parameters(table, signature, path)
+        problems += found
+        if found:
+            continue
+        values = {key: value for key, value in defaults.items() if signature.takes(key) and key not in _RESERVED}
+        values |= {key: value for key, value in table.items() if key != "law"}
+        if signature.takes("period"):
+            values["period"] = data.get("period")
+        made[label], found = construct(law, values, path)
+        problems += [_where_it_stands(item, path, table, defaults) for item in found]
+    problems += _default_problems(defaults, signatures)
+    return made, problems
+
+
+def _law(table: Mapping[str, Any], folder: Path, path: str) -> tuple[type | None, list[Problem]]:
+    name = table.get("law")
+    if not isinstance(name, str):
+        state = "is missing" if name is None else f"must be text, got {name!r}"
+        return None, [Problem(f"{path}.law", f"{state}; one of {', '.join(CONTROLLERS)}, or 'my_module:MyLaw'")]
+    try:
+        return load_law(name, folder, f"{path}.law"), []
+    except ExperimentError as error:
+        return None, [Problem(error.key, str(error).removeprefix(f"{error.key}: "))]
+
+
+def _unknown_parameters(table: Mapping[str, Any], signature: Signature, path: str) -> list[Problem]:
+    problems = []
+    for key in table:
+        if key in _RESERVED:
+            problems.append(Problem(f"{path}.{key}", _RESERVED[key]))
+        elif key != "law" and not signature.takes(key):
+            known = ["law", *(name for name in signature.names if name not in _RESERVED)]
+            problems.append(
+                Problem(f"{path}.{key}", f"unknown parameter of law '{table['law']}': {nearest(key, known)}")
+            )
+    return problems
+
+
+def _default_problems(defaults: Mapping[str, Any], signatures: Sequence[Signature]) -> list[Problem]:
+    """A default may be for some of the laws only; one that no law takes is a slip of the pen."""
+    known = dict.fromkeys(name for signature in signatures for name in signature.names if name not in _RESERVED)
+    problems = []
+    for key in defaults:
+        if key in _RESERVED:
+            problems.append(Problem(f"defaults.{key}", _RESERVED[key]))
+        elif not any(signature.takes(key) for signature in signatures):
+            problems.append(Problem(f"defaults.{key}", f"no law takes this parameter: {nearest(key, known)}"))
+    return problems
+
+
+def _where_it_stands(problem: Problem, path: str, table: Mapping[str, Any], defaults: Mapping[str, Any]) -> Problem:
+    name = problem.key.removeprefix(f"{path}.")
+    if name == "period":
+        return Problem("period", problem.message)
+    if name not in table and name in defaults:
+        return Problem(f"defaults.{name}", problem.message)
+    if problem.message == "is missing":
+        return Problem(problem.key, "is missing; give it here, or in [defaults] for all controllers")
+    return problem
+
+
+def plant_size_problems(tables: ExperimentTables, arm: Arm) -> list[Problem]:
+    """Lists of ``[plant]`` and ``[metrics]`` whose length is not the number of the arm's joints."""
+    plant = tables.plant
+    given = [("metrics.settling_band", tables.metrics.settling_band)]
+    given += [(f"plant.{name}", getattr(plant, name)) for name in ("effort_limit", "q0", "v0")]
+    if plant.friction is not None:
+        given += [(f"plant.friction.{name}", value) for name, value in plant.friction]
+    return _wrong_sizes(given, arm)
+
+
+def controller_size_problems(tables: ExperimentTables, arm: Arm, laws: Mapping[str, Any]) -> list[Problem]:
+    """Lists of the controllers whose length is not the number of the arm's joints."""
+    signatures = {label: Signature(type(law)) for label, law in laws.items()}
+    shared = [name for name in tables.defaults if any(item.per_joint(name) for item in signatures.values())]
+    given = [(f"defaults.{name}", tables.defaults[name]) for name in shared]
+    for label, table in tables.controllers.items():
+        own = [name for name in table if signatures[label].per_joint(name)]
+        given += [(f"controllers.{label}.{name}", table[name]) for name in own]
+    return _wrong_sizes(given, arm)
+
+
+def _wrong_sizes(given: Sequence[tuple[str, Any]], arm: Arm) -> list[Problem]:
+    return [
+        Problem(key, f"{len(value)} values given, but {joints_of(arm)}")
+        for key, value in given
+        if isinstance(value, list) and len(value) != arm.nv
+    ]
+
+
+def joints_of(arm: Arm) -> str:
+    """How many joints an arm has, and their names."""
+    noun = "joint" if arm.nv == 1 else "joints"
+    return f"{arm.name} has {arm.nv} {noun}: {', '.join(arm.joint_names)}"
+
+
+def fail(problems: Sequence[Problem], origin: str) -> None:
+    """Raise an `ExperimentError` that lists all problems, one for each key; nothing if there is none."""
+    if not problems:
+        return
+    problems = list({item.key: item for item in reversed(problems)}.values())[::-1]
+    lines = [f"{item.key}: {item.message}" if item.key else item.message for item in problems]
+    text = f"{origin}: {lines[0]}" if len(lines) == 1 else "\n  ".join([f"{origin}: {len(lines)} mistakes", *lines])
+    error = ExperimentError("", text)
+    error.key = problems[0].key
+    raise error

@@ -1,0 +1,179 @@
+"""An experiment, checked, and the objects that it describes."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from pydantic import PrivateAttr, ValidationError
+
+from asmc_pin._typing import Array
+from asmc_pin.arms import Arm, arm_names, load_arm
+from asmc_pin.controllers import Controller, Sample, Setpoint
+from asmc_pin.errors import ExperimentError, ParameterError
+from asmc_pin.experiment import checks
+from asmc_pin.experiment.constructors import Problem
+from asmc_pin.experiment.schema import ExperimentTables
+from asmc_pin.experiment.toml import parse_toml, write_toml
+from asmc_pin.metrics import MetricSettings
+from asmc_pin.plant import Friction, Plant
+from asmc_pin.references import Reference
+
+
+class Experiment(ExperimentTables):
+    """One comparison: an arm, a motion, and the controllers that are to follow it.
+
+    Made by `load_experiment` or `Experiment.from_dict`; the attributes are the keys of the file (docs/experiments.md).
+    Immutable: `replace` gives a changed one.
+    """
+
+    _data: dict[str, Any] = PrivateAttr(default_factory=dict)
+    _folder: Path = PrivateAttr(default_factory=Path.cwd)
+    _origin: str = PrivateAttr(default="experiment")
+    _text: str | None = PrivateAttr(default=None)
+    _arm: Arm | None = PrivateAttr(default=None)
+
+    @classmethod
+    def from_dict(
+        cls, data: Mapping[str, Any], *, folder: Path | None = None, origin: str = "experiment", text: str | None = None
+    ) -> Self:
+        """Check the content of a file.
+
+        Args:
+            data: Tables as TOML gives them.
+            folder: Where relative paths and laws of one's own are looked for; the working directory when omitted.
+            origin: What to call the experiment in errors.
+            text: The TOML that `data` was read from, if it was; kept so that comments survive.
+
+        Raises:
+            ExperimentError: lists every mistake with the path of its key.
+        """
+        content = copy.deepcopy(dict(data))
+        folder = folder or Path.cwd()
+        problems: list[Problem] = []
+        tables = None
+        try:
+            tables = cls.model_validate(content)
+        except ValidationError as error:
+            problems += checks.table_problems(error)
+        problems += checks.reference_problems(content.get("reference"), folder)[1]
+        problems += checks.controller_problems(content, folder)[1]
+        checks.fail(problems, origin)
+        assert tables is not None
+        tables._data, tables._folder, tables._origin, tables._text = content, folder, origin, text
+        return tables
+
+    @property
+    def folder(self) -> Path:
+        """Where relative paths and laws of one's own are looked for."""
+        return self._folder
+
+    def replace(self, **changes: Any) -> Self:
+        """The experiment with other values for keys at the top of the file, checked anew.
+
+        Args:
+            changes: Key and value as TOML would give it; None takes the key away.
+        """
+        data = {**self._data, **changes}
+        data = {key: value for key, value in data.items() if value is not None}
+        return type(self).from_dict(data, folder=self._folder, origin=self._origin)
+
+    def to_toml(self) -> str:
+        """TOML text of the experiment: the file as it was read, or new text if it was made or changed in Python."""
+        if self._text is not None and parse_toml(self._text, self._origin) == self._data:
+            return self._text
+        return write_toml(self._data)
+
+    @property
+    def time(self) -> Array:
+        """Control ticks t_k = k·L, k = 0 … round(duration/L), s."""
+        ticks = round(self.duration / self.period) + 1
+        return np.asarray(np.arange(ticks) * self.period, dtype=np.float64)
+
+    def build_arm(self) -> Arm:
+        """The arm.
+
+        Raises:
+            ArmError: the URDF cannot be used.
+            ExperimentError: a value of ``[arm]`` does not fit it.
+        """
+        if self._arm is None:
+            source = self.arm.source
+            beside = self._folder / source
+            if source not in arm_names() and beside.is_file():
+                source = str(beside)
+            options = self.arm.model_dump(exclude={"source"}, exclude_none=True)
+            try:
+                self._arm = load_arm(source, **options)
+            except ParameterError as error:
+                text = str(error).removeprefix(f"{error.parameter}: ")
+                checks.fail([Problem(f"arm.{error.parameter}", text)], self._origin)
+        assert self._arm is not None
+        return self._arm
+
+    def build_reference(self) -> Reference:
+        """The motion to follow.
+
+        Raises:
+            ExperimentError: it is for another number of joints than the arm has.
+        """
+        arm = self.build_arm()
+        reference, problems = checks.reference_problems(self.reference, self._folder)
+        if not problems and reference.nv != arm.nv:
+            problems = [Problem("reference", f"moves {reference.nv} joints, but {checks.joints_of(arm)}")]
+        checks.fail(problems, self._origin)
+        made: Reference = reference
+        return made
+
+    def setpoints(self) -> tuple[Array, Setpoint]:
+        """Ticks, shape (T,), s, and the reference at each of them, fields of shape (T, nv)."""
+        time = self.time
+        return time, self.build_reference().evaluate(time)
+
+    def build_controllers(self) -> dict[str, Controller]:
+        """The controllers by label, in the order of the file.
+
+        Raises:
+            ExperimentError: a parameter does not fit the arm.
+        """
+        arm = self.build_arm()
+        made, problems = checks.controller_problems(self._data, self._folder)
+        problems = problems or checks.controller_size_problems(self, arm, made)
+        at_rest = np.zeros((1, arm.nv))
+        for label, law in made.items() if not problems else ():
+            try:
+                law.init(Sample(at_rest, at_rest.copy(), at_rest.copy()))
+            except ParameterError as error:
+                text = str(error).removeprefix(f"{error.parameter}: ")
+                problems.append(Problem(f"controllers.{label}.{error.parameter}", text))
+        checks.fail(problems, self._origin)
+        return made
+
+    def build_plant(self) -> Plant:
+        """The simulated arm.
+
+        Raises:
+            ExperimentError: a value of ``[plant]`` does not fit the arm.
+        """
+        arm = self.build_arm()
+        checks.fail(checks.plant_size_problems(self, arm), self._origin)
+        options = self.plant.model_dump(exclude={"q0", "v0", "friction"}, exclude_unset=True, exclude_none=True)
+        friction = self.plant.friction
+        if friction is not None:
+            options["friction"] = Friction(**friction.model_dump())
+        try:
+            return Plant(arm, **options)
+        except ParameterError as error:
+            text = str(error).removeprefix(f"{error.parameter}: ")
+            raise ExperimentError(f"plant.{error.parameter}", text) from error
+
+    def metric_settings(self) -> MetricSettings:
+        """What the metrics are told: ``[metrics]``, and the plant's torque limits."""
+        return MetricSettings(
+            cutoff_hz=self.metrics.cutoff_hz,
+            settling_band=np.asarray(self.metrics.settling_band),
+            effort_limit=np.asarray(self.build_plant().effort_limit),
+        )

@@ -1,0 +1,234 @@
+"""What a comparison leaves on disk, and reading it back.
+
+A result is a folder: ``experiment.toml``, ``trajectories.nc``, ``summary.parquet``, ``summary.md``, ``summary.tex``,
+``figures/``, ``report.html``, ``provenance.json``. It appears as a whole or not at all.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from asmc_pin.errors import ResultError
+
+if TYPE_CHECKING:
+    from asmc_pin.arms import Arm
+    from asmc_pin.experiment import Experiment
+    from asmc_pin.rollout import Rollout
+
+EXPERIMENT, TRAJECTORIES, SUMMARY, PROVENANCE = (
+    "experiment.toml",
+    "trajectories.nc",
+    "summary.parquet",
+    "provenance.json",
+)
+
+# Variable: meaning, unit on a revolute joint, unit on a prismatic one.
+VARIABLES: Mapping[str, tuple[str, str, str]] = {
+    "q": ("joint position", "rad", "m"),
+    "v": ("joint velocity", "rad/s", "m/s"),
+    "q_ref": ("desired position", "rad", "m"),
+    "v_ref": ("desired velocity", "rad/s", "m/s"),
+    "a_ref": ("desired acceleration", "rad/s2", "m/s2"),
+    "torque": ("torque applied over the period that begins here, after the drive's limits", "N m", "N"),
+    "s": ("sliding variable s = de/dt + Ks e", "rad/s", "m/s"),
+    "gain": ("switching gain of the law, NaN where it has none", "rad/s2", "m/s2"),
+    "friction_torque": ("torque of joint friction, positive along the joint's axis", "N m", "N"),
+}
+
+
+@dataclass(frozen=True)
+class Result:
+    """A result read back.
+
+    Attributes:
+        path: Its folder.
+        experiment: The experiment as it was run.
+        dataset: Trajectories; dimensions controller, trial, time, joint.
+        summary: One row for each controller, trial and joint; metrics in SI units.
+        provenance: Versions, hashes, seed, times.
+    """
+
+    path: Path
+    experiment: Experiment
+    dataset: xr.Dataset
+    summary: pd.DataFrame
+    provenance: dict[str, Any]
+
+
+def load_result(path: str | Path) -> Result:
+    """Read the result of a comparison.
+
+    Args:
+        path: Its folder, or the name of one in ``results/``.
+
+    Raises:
+        ResultError: the folder is missing, or is not a whole result.
+    """
+    from asmc_pin.experiment import load_experiment
+
+    folder = Path(path).expanduser()
+    if not folder.exists() and (Path("results") / folder).is_dir():
+        folder = Path("results") / folder
+    if not folder.is_dir():
+        raise ResultError(folder, f"there is no result {folder}; asmc-pin compare makes one")
+    absent = [name for name in (EXPERIMENT, TRAJECTORIES, SUMMARY, PROVENANCE) if not (folder / name).is_file()]
+    if absent:
+        raise ResultError(folder, f"{folder} is not a result of asmc-pin compare: it has no {', '.join(absent)}")
+    try:
+        return Result(
+            path=folder,
+            experiment=load_experiment(folder / EXPERIMENT),
+            dataset=xr.load_dataset(folder / TRAJECTORIES, engine="h5netcdf"),
+            summary=pd.read_parquet(folder / SUMMARY),
+            provenance=json.loads((folder / PROVENANCE).read_text(encoding="utf-8")),
+        )
+    except (OSError, ValueError, KeyError) as error:
+        raise ResultError(folder, f"{folder} cannot be read, run the comparison again: {error}") from error
+
+
+def trajectories(arm: Arm, rollouts: Mapping[str, Rollout], laws: Mapping[str, str]) -> xr.Dataset:
+    """The rollouts of several controllers on the same reference, as one dataset.
+
+    Args:
+        arm: The arm.
+        rollouts: By label.
+        laws: Name of each label's law.
+    """
+    runs = list(rollouts.values())
+    shared = ("q_ref", "v_ref", "a_ref")
+    values: dict[str, Any] = {name: (("time", "joint"), getattr(runs[0], name)) for name in shared}
+    for name in VARIABLES:
+        if name not in shared:
+            dims = ("controller", "trial", "time", "joint")
+            values[name] = (dims, np.stack([getattr(run, name) for run in runs]))
+    values = {name: values[name] for name in VARIABLES}
+    values["status"] = (("controller", "trial"), np.array([run.status for run in runs], dtype=object))
+    values["end_time"] = (("controller", "trial"), np.stack([run.end_time for run in runs]))
+    dataset = xr.Dataset(
+        values,
+        coords={
+            "controller": np.array(list(rollouts), dtype=object),
+            "trial": np.arange(len(runs[0].status)),
+            "time": runs[0].time,
+            "joint": np.array(arm.joint_names, dtype=object),
+            "law": ("controller", np.array([laws[label] for label in rollouts], dtype=object)),
+            "joint_kind": ("joint", np.array(arm.joint_kinds, dtype=object)),
+        },
+        attrs={"arm": arm.name, "period": runs[0].period, "conventions": "SI; joint axis last; e = q_ref - q"},
+    )
+    kinds = set(arm.joint_kinds)
+    for name, (meaning, revolute, prismatic) in VARIABLES.items():
+        both = f"{revolute} (revolute), {prismatic} (prismatic)"
+        unit = both if len(kinds) == 2 else revolute if "revolute" in kinds else prismatic
+        dataset[name].attrs = {"long_name": meaning, "units": unit}
+    dataset["time"].attrs = {"long_name": "control tick", "units": "s"}
+    dataset["end_time"].attrs = {"long_name": "end of the run, or time of divergence", "units": "s"}
+    return dataset
+
+
+def write_trajectories(dataset: xr.Dataset, path: Path) -> None:
+    """Write NetCDF-4 that is bitwise the same for the same data.
+
+    h5netcdf puts the versions of the libraries (``_NCProperties``) into a file that it creates, but not into one that
+    it finds; so it is given an empty one.
+    """
+    import h5py  # type: ignore[import-untyped]
+
+    with h5py.File(path, "w", track_order=True):
+        pass
+    encoding = {
+        name: {"zlib": True, "complevel": 2, "shuffle": True, "_FillValue": None}
+        for name in VARIABLES
+        if dataset[name].size
+    }
+    dataset.to_netcdf(path, mode="a", engine="h5netcdf", encoding=encoding)
+
+
+def write_summary(rows: pd.DataFrame, path: Path) -> None:
+    """Write the summary as Parquet, without the versions of the libraries that pandas would add."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    table = pa.Table.from_pandas(rows, preserve_index=False).replace_schema_metadata(None)
+    pq.write_table(table, path)
+
+
+def check_target(path: Path, force: bool) -> None:
+    """Whether a result may be written there, asked before anything is run.
+
+    Raises:
+        ResultError: something is there that is not to be replaced.
+    """
+    if path.is_symlink() or (path.exists() and not path.is_dir()):
+        raise ResultError(path, f"{path} is not a folder; give another one with --out")
+    if not path.exists() or not any(path.iterdir()):
+        return
+    if not all((path / name).is_file() for name in (EXPERIMENT, PROVENANCE)):
+        raise ResultError(
+            path, f"{path} holds files that are no result, and is left alone; give another folder with --out"
+        )
+    if not force:
+        raise ResultError(path, f"there is a result in {path} already; --force replaces it, --out writes elsewhere")
+
+
+@contextmanager
+def whole_or_not_at_all(path: Path, force: bool) -> Iterator[Path]:
+    """A folder to write a result into, which takes its place when the block ends without an exception.
+
+    Until then a former result stays what it was; after an exception, an interrupt too, nothing is left of the new one.
+
+    Args:
+        path: Where the result is to be.
+        force: Whether it may replace a former one.
+
+    Yields:
+        An empty folder beside it, on the same file system.
+
+    Raises:
+        ResultError: see `check_target`.
+    """
+    check_target(path, force)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    made = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".new", dir=path.parent))
+    try:
+        yield made
+        made.chmod(0o777 & ~_umask())
+        check_target(path, force)  # another run may have been quicker
+        _put_in_place(made, path)
+    finally:
+        shutil.rmtree(made, ignore_errors=True)
+
+
+def _put_in_place(made: Path, path: Path) -> None:
+    if not path.exists():
+        os.replace(made, path)
+        return
+    old = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".old", dir=path.parent))
+    try:
+        os.replace(path, old)  # over the empty folder
+        os.replace(made, path)
+    except BaseException:
+        if not path.exists():
+            os.replace(old, path)
+        raise
+    finally:
+        if path.exists():
+            shutil.rmtree(old, ignore_errors=True)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
