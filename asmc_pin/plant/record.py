@@ -1,0 +1,107 @@
+"""What a run leaves behind."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from asmc_pin._typing import Array
+from asmc_pin.plant.plant import Plant
+
+# Beyond a joint limit by less than this, rad (m), is round-off of a trajectory that touches it.
+LIMIT_SLACK = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class LimitViolation:
+    """A joint outside its position limits. Limits are no end stops: the motion goes on.
+
+    Attributes:
+        trial: Index of the trial.
+        joint: Name of the joint.
+        time: When it was first outside, s.
+        excess: How far outside it came at most, rad (m), positive above the upper and negative below the lower limit.
+    """
+
+    trial: int
+    joint: str
+    time: float
+    excess: float
+
+
+@dataclass(frozen=True, eq=False)
+class Rollout:
+    """What happened: every trial at every control tick, arrays read-only.
+
+    A trial that diverged holds NaN from the tick at which that was found.
+
+    Attributes:
+        time: t_k = k·period, shape (T,), s.
+        q: Angles, shape (batch, T, nv), rad (m for prismatic joints, and so on).
+        v: Velocities, shape (batch, T, nv), rad/s.
+        torque: Torque that the drives apply over [t_k, t_{k+1}), after their limits, shape (batch, T, nv), N·m.
+        friction_torque: Torque of friction on the joint, mean over the same interval: negative where the joint slides
+            forwards, opposite to the load where it sticks. The last interval begins at the end of the run. Shape
+            (batch, T, nv), N·m.
+        s: Sliding variable of the law's own K_s, shape (batch, T, nv), rad/s; NaN if the law has no ``ks``.
+        gain: Adaptive gain of each tick, shape (batch, T, nv), rad/s²; NaN if the law's state has no ``gain``.
+        q_ref: Reference, shape (T, nv), rad.
+        v_ref: Its velocity, shape (T, nv), rad/s.
+        a_ref: Its acceleration, shape (T, nv), rad/s².
+        status: Per trial, ``"ok"`` or ``"diverged"``.
+        end_time: Per trial, the last tick's time, or the time at which it was found to have diverged, shape (batch,),
+            s.
+        joint_names: Names along the last axis.
+        period: Control period, s.
+        limit_violations: Joints that left their position limits.
+    """
+
+    time: Array
+    q: Array
+    v: Array
+    torque: Array
+    friction_torque: Array
+    s: Array
+    gain: Array
+    q_ref: Array
+    v_ref: Array
+    a_ref: Array
+    status: tuple[str, ...]
+    end_time: Array
+    joint_names: tuple[str, ...]
+    period: float
+    limit_violations: tuple[LimitViolation, ...]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a user ought to be told, one line per joint that left its limits in any trial."""
+        lines = []
+        for name in dict.fromkeys(violation.joint for violation in self.limit_violations):
+            found = [violation for violation in self.limit_violations if violation.joint == name]
+            first = min(found, key=lambda violation: violation.time)
+            worst = max(found, key=lambda violation: abs(violation.excess))
+            share = "" if len(self.status) == 1 else f" in {len(found)} of {len(self.status)} trials"
+            side = "above its upper" if worst.excess > 0.0 else "below its lower"
+            lines.append(
+                f"joint '{name}' left its position limits{share}, first at t = {first.time:.4g} s, "
+                f"and came {abs(worst.excess):.4g} {side} limit; limits are not end stops here"
+            )
+        return tuple(lines)
+
+
+def outside_limits(plant: Plant, time: Array, q: Array) -> tuple[LimitViolation, ...]:
+    """Every joint that left its limits, trial by trial; what comes after a divergence (NaN) does not count."""
+    found = []
+    for joint, name in enumerate(plant.arm.joint_names):
+        highest = np.fmax.reduce(q[:, :, joint], axis=1)
+        lowest = np.fmin.reduce(q[:, :, joint], axis=1)
+        for trial in range(len(q)):
+            arm = plant.arms[trial % len(plant.arms)]
+            above, below = highest[trial] - arm.upper[joint], arm.lower[joint] - lowest[trial]
+            if max(above, below) > LIMIT_SLACK:
+                path = q[trial, :, joint]
+                outside = (path - arm.upper[joint] > LIMIT_SLACK) | (arm.lower[joint] - path > LIMIT_SLACK)
+                excess = above if above >= below else -below
+                found.append(LimitViolation(trial, name, float(time[np.argmax(outside)]), float(excess)))
+    return tuple(found)
