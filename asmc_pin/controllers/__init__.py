@@ -25,6 +25,7 @@ from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, TdeState, signed, sl
 
 __all__ = [
     "CONTROLLERS",
+    "REQUIRED",
     "AdaptiveState",
     "Baek2016",
     "Bsmc",
@@ -43,6 +44,8 @@ __all__ = [
     "TdeLaw",
     "TdeState",
     "controllers_table",
+    "describe_laws",
+    "parameters_of",
     "shared_parameters",
     "signed",
     "sliding_variable",
@@ -72,6 +75,10 @@ class ParameterInfo:
     required: bool
     default: object
 
+    def __str__(self) -> str:
+        unit = f" [{self.unit}]" if self.unit else ""
+        return f"{self.name}{unit}" if self.required else f"{self.name}{unit} = {self.default}"
+
 
 @dataclass(frozen=True, slots=True)
 class LawInfo:
@@ -92,7 +99,21 @@ class LawInfo:
     parameters: tuple[ParameterInfo, ...]
 
 
-def controllers_table() -> tuple[LawInfo, ...]:
+def controllers_table() -> list[dict[str, str]]:
+    """One row per registered law, as README.md and ``asmc-pin controllers`` show them."""
+    return [
+        {
+            "law": law.name,
+            "what": law.title,
+            "equation": law.equation,
+            "own parameters": ", ".join(map(str, law.parameters)) or "none",
+            "source": law.reference,
+        }
+        for law in describe_laws()
+    ]
+
+
+def describe_laws() -> tuple[LawInfo, ...]:
     """Every registered law with its own parameters, in the order of `CONTROLLERS`."""
     shared = parameters_of(TdeLaw)
     return tuple(

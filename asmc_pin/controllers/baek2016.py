@@ -28,7 +28,9 @@ class Baek2016(TdeLaw):
     """
 
     title: ClassVar[str] = "proposed adaptive sliding mode control"
-    equation: ClassVar[str] = "τ = PPC + M̄ K̂ sgn(s);  dk̂ᵢ/dt = φᵢ (|sᵢ|/αᵢ)^θ θ, θ = sgn(‖s‖_∞ − ε)"
+    equation: ClassVar[str] = (
+        "τ = PPC + M̄ K̂ sgn(s);  dk̂ᵢ/dt = φᵢ (|sᵢ|/αᵢ)^θ θ, θ = sgn(‖s‖_∞ − ε), but +1 where k̂ᵢ = 0"
+    )
     reference: ClassVar[str] = "Baek, Jin, Han (2016), eqs. (9)–(11)"
 
     phi: PerJoint = PerJoint("φ", "rad/s³", above=0.0)

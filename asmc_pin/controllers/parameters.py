@@ -14,7 +14,6 @@ the field.
 from __future__ import annotations
 
 import difflib
-from collections.abc import Sequence
 from typing import Any, Generic, TypeVar, overload
 
 import numpy as np
@@ -73,13 +72,8 @@ class _Number:
     def __init__(self, unit: str, above: float | None, at_least: float | None) -> None:
         self.above = above
         self.at_least = at_least
-        suffix = f" {unit}" if unit else ""
-        if above is not None:
-            self.text = f"above {above:g}{suffix}"
-        elif at_least is not None:
-            self.text = f"at least {at_least:g}{suffix}"
-        else:
-            self.text = f"finite{f' (in {unit})' if unit else ''}"
+        bounds = [f"{word} {x:g}" for word, x in (("above", above), ("at least", at_least)) if x is not None]
+        self.text = f"{' and '.join(bounds) or 'finite'} {unit}".strip()
 
     def ok(self, values: Array) -> BoolArray:
         low = values > (-np.inf if self.above is None else self.above)
@@ -137,8 +131,12 @@ class OptionalScalar(Parameter["float | None", "float | None"]):
         return None if value is None else self._scalar.convert(value)
 
 
-class Values(Parameter[Array, "float | Sequence[Any] | Array"]):
-    """Numbers as a read-only array with one of the stated numbers of axes."""
+class Values(Parameter[Array, Any]):
+    """Numbers as a read-only array with one of the stated numbers of axes; given as a number, nested lists or an array.
+
+    To type checkers what may be given is Any: they take it for the type of the attribute too where a frozen dataclass
+    inherits the field.
+    """
 
     def __init__(
         self,
@@ -156,7 +154,7 @@ class Values(Parameter[Array, "float | Sequence[Any] | Array"]):
         self.shape = shape
         self.bound = _Number(unit, above, at_least)
 
-    def convert(self, value: float | Sequence[Any] | Array) -> Array:
+    def convert(self, value: Any) -> Array:
         """A read-only copy whose entries are finite and within the bound."""
         expected = f"{self.shape}, each {self.bound.text}"
         array = _as_floats(self.name, value, expected)
