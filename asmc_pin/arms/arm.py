@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,35 +12,21 @@ import numpy as np
 import pinocchio as pin
 
 from asmc_pin._typing import Array, BoolArray
-from asmc_pin.arms.options import Lock
+from asmc_pin.arms.batch import joint_rows
+from asmc_pin.arms.options import UNCHANGED, Armature, Gravity, Load, Lock, Unchanged, Variant
 from asmc_pin.arms.payload import Payload
+from asmc_pin.arms.reading import Robot
+from asmc_pin.arms.registry import ArmEntry
 from asmc_pin.arms.tree import Tree
-from asmc_pin.errors import ArmError, ParameterError
+from asmc_pin.errors import ArmError
 
 
-class Unchanged:
-    """Stands for an option of `Arm.replace` that was not given; None means "as the arm was loaded without it"."""
-
-
-_UNCHANGED = Unchanged()
-
-
-@dataclass(frozen=True)
-class Variant:
-    """The options an arm was loaded with, as given to `load_arm`."""
-
-    payload: float | Payload | Mapping[str, Any] | None = None
-    armature: float | Sequence[float] | Array | Mapping[str, float] | None = None
-    lock: Lock | None = None
-    gravity: Sequence[float] | Array | None = None
-
-
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Arm:
     """A robot arm on a fixed base; immutable, arrays read-only. Make one with `load_arm`.
 
-    M(q) q̈ + C(q, q̇) q̇ + g(q) = τ − f(q̇): this class gives M, C and g; friction and damping are reported, the plant applies them.
-    Every joint has one coordinate: rad, rad/s, N·m, kg·m² where it turns, m, m/s, N, kg where it slides.
+    M(q) q̈ + C(q, q̇) q̇ + g(q) = τ − f(q̇): this class gives M, C and g; friction and damping are reported, the plant
+    applies them. Every joint has one coordinate: rad, rad/s, N·m, kg·m² where it turns, m, m/s, N, kg where it slides.
 
     Attributes:
         name: The name it is known by, or the file's stem.
@@ -65,6 +51,7 @@ class Arm:
         package_dirs: Folders in which ``package://`` paths of its meshes may be found.
         model: Pinocchio's model, nq == nv. Treat it as read-only.
         tree: The same in plain arrays, for compiled kernels.
+        made_of: The checked URDF, the registry's entry and the options.
     """
 
     name: str
@@ -87,11 +74,20 @@ class Arm:
     sha256: str
     urdf_text: str
     package_dirs: tuple[Path, ...]
-    model: pin.Model = field(repr=False)
-    tree: Tree = field(repr=False)
-    given: str | Path = field(repr=False)
-    variant: Variant = field(repr=False)
-    _local: threading.local = field(default_factory=threading.local, repr=False)
+    model: pin.Model
+    tree: Tree
+    made_of: tuple[Robot, ArmEntry | None, Variant]
+    _local: threading.local = field(default_factory=threading.local)
+
+    def __repr__(self) -> str:
+        changed = {"payload": self.payload, "locked": dict(self.locked)}
+        return f"Arm({self.name!r}, nv={self.nv}" + "".join(f", {k}={v!r}" for k, v in changed.items() if v) + ")"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Pinocchio's scratch memory does not travel between processes; the arm is made anew where it arrives.
+        from asmc_pin.arms.load import assemble
+
+        return assemble, self.made_of
 
     @property
     def nv(self) -> int:
@@ -115,8 +111,8 @@ class Arm:
                 name = self.joint_names[i]
                 raise ArmError(
                     self.source,
-                    f"joint '{name}' of {self.name} slides and declares no limits, so its range cannot be guessed; give it in "
-                    f"metres: --box {name}=lo:hi",
+                    f"joint '{name}' of {self.name} slides and declares no limits, and its range cannot be guessed; "
+                    f"give it in metres: --box {name}=lo:hi",
                 )
             if np.isfinite(lower[i]):
                 upper[i] = lower[i] + 2.0 * np.pi
@@ -138,7 +134,7 @@ class Arm:
         return self._batched(pin.crba, (self.nv, self.nv), q=q)
 
     def coriolis(self, q: Array, v: Array) -> Array:
-        """The matrix C(q, q̇) of Christoffel symbols: C q̇ is the Coriolis and centrifugal torque, Ṁ − 2C is skew-symmetric.
+        """The matrix C(q, q̇) of Christoffel symbols: C q̇ is the Coriolis torque, and Ṁ − 2C is skew-symmetric.
 
         Args:
             q: Shape (..., nv).
@@ -205,47 +201,37 @@ class Arm:
     def replace(
         self,
         *,
-        payload: float | Payload | Mapping[str, Any] | Unchanged | None = _UNCHANGED,
-        armature: float | Sequence[float] | Array | Mapping[str, float] | Unchanged | None = _UNCHANGED,
-        lock: Lock | Unchanged | None = _UNCHANGED,
-        gravity: Sequence[float] | Array | Unchanged | None = _UNCHANGED,
+        payload: Load | Unchanged | None = UNCHANGED,
+        armature: Armature | Unchanged | None = UNCHANGED,
+        lock: Lock | Unchanged | None = UNCHANGED,
+        gravity: Gravity | Unchanged | None = UNCHANGED,
     ) -> Arm:
         """The same URDF with other options; one that is not given stays as it is, None takes it away.
 
         Args:
             payload: As in `load_arm`.
             armature: As in `load_arm`.
-            lock: As in `load_arm`.
+            lock: As in `load_arm`; replaces all earlier locks except the entry's own.
             gravity: As in `load_arm`.
 
         Returns:
             A new arm.
-        """
-        from asmc_pin.arms.load import rebuild
 
-        changes = {"payload": payload, "armature": armature, "lock": lock, "gravity": gravity}
-        kept = {name: getattr(self.variant, name) for name in changes}
-        return rebuild(self, Variant(**(kept | {k: v for k, v in changes.items() if not isinstance(v, Unchanged)})))
+        Raises:
+            ArmError: The options leave no arm.
+            ParameterError: An option at fault.
+        """
+        from asmc_pin.arms.load import vary
+
+        options = {"payload": payload, "armature": armature, "lock": lock, "gravity": gravity}
+        return vary(self, {name: value for name, value in options.items() if not isinstance(value, Unchanged)})
 
     def _batched(self, function: Callable[..., Any], shape: tuple[int, ...], **arguments: Array) -> Array:
         """Apply a Pinocchio function over the leading axes of its arguments, which broadcast."""
-        arrays = []
-        for name, value in arguments.items():
-            try:
-                array = np.asarray(value, dtype=np.float64)
-            except (TypeError, ValueError):
-                raise ParameterError(name, f"{value!r} given, numbers expected") from None
-            if array.ndim == 0 or array.shape[-1] != self.nv:
-                raise ParameterError(
-                    name,
-                    f"shape {array.shape} given, (..., {self.nv}) expected: one value per joint ({', '.join(self.joint_names)})",
-                )
-            arrays.append(array)
-        lead = np.broadcast_shapes(*(array.shape[:-1] for array in arrays))
-        flat = [np.broadcast_to(array, (*lead, self.nv)).reshape(-1, self.nv) for array in arrays]
-        out = np.empty((flat[0].shape[0], *shape))
+        lead, rows = joint_rows(self.joint_names, arguments)
+        out = np.empty((rows[0].shape[0], *shape))
         data = self._data()
-        for k, row in enumerate(zip(*flat, strict=True)):
+        for k, row in enumerate(zip(*rows, strict=True)):
             out[k] = function(self.model, data, *row)
         return out.reshape(*lead, *shape)
 

@@ -26,9 +26,7 @@ def bare_model(robot: Robot, locked: Mapping[str, float]) -> pin.Model:
     try:
         model = pin.buildModelFromXML(robot.xml)
     except ValueError as error:
-        raise ArmError(
-            robot.document.path, f"{robot.document.path}: Pinocchio cannot build this arm ({error})"
-        ) from None
+        raise ArmError(robot.path, f"{robot.path}: Pinocchio cannot build this arm ({error})") from None
     if locked:
         q = pin.neutral(model)
         indices = [model.getJointId(JOINT_PREFIX + name) for name in locked]
@@ -40,7 +38,7 @@ def bare_model(robot: Robot, locked: Mapping[str, float]) -> pin.Model:
     for frame in model.frames:
         frame.name = frame.name.removeprefix(JOINT_PREFIX)
     if model.nv == 0:
-        raise ArmError(robot.document.path, f"{robot.document.path}: nothing movable, every joint is locked; free one")
+        raise ArmError(robot.path, f"{robot.path}: nothing movable, every joint is locked; free one")
     _check_moving_links(robot, model)
     return model
 
@@ -54,7 +52,7 @@ def _check_moving_links(robot: Robot, model: pin.Model) -> None:
             frame.name for frame in model.frames if frame.type == pin.FrameType.BODY and frame.parentJoint == index
         ]
         raise ArmError(
-            robot.document.path,
+            robot.path,
             f"{joint.where}: moves link '{links[0]}', which carries no inertia"
             + (f", nor does anything fixed to it ({', '.join(links[1:])})" if links[1:] else "")
             + f"; add <inertial> with a mass above zero to link '{links[0]}', or lock the joint",
@@ -68,8 +66,7 @@ def link_frame(robot: Robot, model: pin.Model, link: str) -> pin.Frame:
         ParameterError: No such link, or it stands still.
     """
     if link not in robot.links:
-        message = f"no link '{link}' in {robot.document.path.name}; {nearest(link, list(robot.links))}"
-        raise ParameterError("payload.link", message)
+        raise ParameterError("payload.link", f"no link '{link}' in {robot.path.name}; {nearest(link, robot.links)}")
     frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
     if frame.parentJoint == 0:
         raise ParameterError(
@@ -113,7 +110,8 @@ def set_limits(model: pin.Model, joints: list[Joint]) -> None:
 def check_mass_matrix(robot: Robot, model: pin.Model) -> None:
     """Refuse an arm whose M(q) is not positive definite.
 
-    M is scaled to a unit diagonal first, so that a light wrist on a heavy arm, or metres next to radians, do not count as singular.
+    M is scaled to a unit diagonal first, so that a light wrist on a heavy arm, or metres next to radians, do not count
+    as singular.
 
     Raises:
         ArmError: Names the joint that feels no inertia, and the configuration.
@@ -134,9 +132,9 @@ def check_mass_matrix(robot: Robot, model: pin.Model) -> None:
         joint = robot.joints[model.names[weak + 1]]
         smallest = float(np.linalg.eigvalsh(mass)[0])
         raise ArmError(
-            robot.document.path,
-            f"{joint.where}: the mass matrix is not positive definite at q = {np.round(q, 3).tolist()} (smallest eigenvalue "
-            f"{smallest:.3g}), because nothing that joint '{joint.name}' moves resists it: link '{joint.child}' and what hangs on "
-            "it have their mass on the joint's axis and no rotational inertia about it, or another joint moves them likewise. "
-            f"Give link '{joint.child}' its inertia, or set armature",
+            robot.path,
+            f"{joint.where}: the mass matrix is not positive definite at q = {np.round(q, 3).tolist()} (smallest "
+            f"eigenvalue {smallest:.3g}), because nothing resists this joint: link '{joint.child}' and what hangs on "
+            "it have their mass on its axis and no rotational inertia about it, or another joint moves them just so. "
+            f"Give link '{joint.child}' its inertia, or joint '{joint.name}' an armature",
         )

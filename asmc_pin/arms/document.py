@@ -30,28 +30,29 @@ class Document:
     root: Any
 
 
-class _Entity(Exception):
+class _EntityError(Exception):
     """The file declares an entity."""
 
 
 def _refuse_entity(name: str, *_: object) -> None:
-    raise _Entity(name)
+    raise _EntityError(name)
 
 
 def _scan(path: Path, data: bytes) -> None:
     """Refuse malformed XML and any entity declaration, before a parser that would expand one sees the file.
 
-    lxml leaves entities alone in text but libxml2 still expands them in attribute values, where a URDF keeps its numbers.
+    lxml can leave entities alone in text, but libxml2 still expands them in attribute values, where a URDF keeps its
+    numbers.
     """
     parser = expat.ParserCreate()
     parser.EntityDeclHandler = _refuse_entity
     try:
         parser.Parse(data, True)
-    except _Entity as entity:
+    except _EntityError as entity:
         raise ArmError(
             path,
-            f"{path}: the XML declares the entity '{entity}'; entities are not expanded here, because they can read other "
-            "files or grow without end. Replace each &name; by its value and remove the <!ENTITY …> lines",
+            f"{path}: the XML declares the entity '{entity}'; entities are not expanded here, because they can read "
+            "other files or grow without end. Replace each &name; by its value and remove the <!ENTITY …> lines",
         ) from None
     except expat.ExpatError as error:
         raise ArmError(
@@ -73,6 +74,15 @@ def _is_xacro(path: Path, data: bytes, root: Any | None) -> bool:
     return False
 
 
+def _drop_namespace(root: Any) -> None:
+    """Some tools put the whole URDF into a namespace of theirs (``<robot xmlns="…">``); take it off."""
+    space = root.nsmap.get(None)
+    if space and str(root.tag).startswith(f"{{{space}}}"):
+        for element in root.iter():
+            if isinstance(element.tag, str):
+                element.tag = element.tag.removeprefix(f"{{{space}}}")
+
+
 def _recognise(path: Path, root: Any) -> None:
     """Say what a file is that is not a URDF, and how to turn it into one."""
     if root.tag == "robot":
@@ -84,9 +94,9 @@ def _recognise(path: Path, root: Any) -> None:
     if root.tag in ("mujoco", "mujocoinclude"):
         raise ArmError(
             path,
-            f"{path}: this is a MuJoCo model (MJCF), not a URDF. Use the URDF that its maker publishes, or convert it with "
-            'the package mjcf-urdf-simple-converter: python -c "from mjcf_urdf_simple_converter import convert; '
-            "convert('in.xml', 'out.urdf')\", and check masses, inertias and joint limits afterwards",
+            f"{path}: this is a MuJoCo model (MJCF), not a URDF. Use the URDF that its maker publishes, or convert it: "
+            "pip install mjcf-urdf-simple-converter, then in Python: from mjcf_urdf_simple_converter import convert; "
+            f"convert('{path.name}', '{path.stem}.urdf'). Check masses, joint axes and limits afterwards",
         )
     if root.tag in ("sdf", "gazebo"):
         raise ArmError(path, f"{path}: this is a Gazebo model (SDF), not a URDF; use the URDF that its maker publishes")
@@ -121,13 +131,15 @@ def read_document(path: Path) -> Document:
     except etree.XMLSyntaxError as error:
         root, problem = None, str(error)
     if _is_xacro(path, data, root):
+        stem = path.name.removesuffix(".xacro").removesuffix(".urdf")
         raise ArmError(
             path,
-            f"{path}: this is a xacro file, a template for a URDF. Expand it first: xacro {path.name} > "
-            f"{path.name.removesuffix('.xacro').removesuffix('.urdf')}.urdf (ROS brings xacro, and so does `pip install xacro`)",
+            f"{path}: this is a xacro file, a template for a URDF. Expand it first: xacro {path.name} > {stem}.urdf "
+            "(ROS brings xacro, and so does pip install xacro)",
         )
     if root is None:
         raise ArmError(path, f"{path}: not well-formed XML ({problem})")
+    _drop_namespace(root)
     _recognise(path, root)
     text = data.decode(root.getroottree().docinfo.encoding or "utf-8", errors="replace")
     return Document(path=path, text=text, sha256=hashlib.sha256(data).hexdigest(), root=root)

@@ -13,8 +13,8 @@ _TOLERANCE = 1e-9
 def inertia_problem(mass: float, inertia: Array) -> str:
     """Say what is wrong with a rigid body, or nothing.
 
-    A body's principal moments about its centre are sums of m y² + m z² and the like, so none is negative and none exceeds the
-    sum of the other two (triangle inequality). Both are judged to 1e-9 of the largest moment.
+    A body's principal moments about its centre are sums of m y² + m z² and the like, so none is negative and none
+    exceeds the sum of the other two (triangle inequality). Both are judged to 1e-9 of the largest moment.
 
     Args:
         mass: kg.
@@ -30,12 +30,12 @@ def inertia_problem(mass: float, inertia: Array) -> str:
     listed = ", ".join(f"{moment:.6g}" for moment in moments)
     if moments[0] < -slack:
         return (
-            f"its inertia is not positive semidefinite (principal moments {listed} kg·m²); check the signs, and that all six "
-            "entries are about the centre of mass"
+            f"its inertia is not positive semidefinite (principal moments {listed} kg·m²); check the signs, and that "
+            "all six entries are about the centre of mass"
         )
     if moments[2] > moments[0] + moments[1] + slack:
         return (
-            f"its inertia breaks the triangle inequality: the largest principal moment exceeds the sum of the other two "
-            f"({listed} kg·m²), which no rigid body has; recompute it about the centre of mass"
+            f"its inertia breaks the triangle inequality: of its principal moments {listed} kg·m² the largest exceeds "
+            "the sum of the other two, which no rigid body has; recompute it about the centre of mass"
         )
     return ""

@@ -1,7 +1,8 @@
 """The mass matrix, compiled: a composite rigid body algorithm over `Tree` for many configurations at once.
 
-Pinocchio has no batched crba in Python. Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 6, in joint frames; composite
-bodies are kept as mass, centre and inertia about the centre, which loses no digits for a light hand at the end of a long arm.
+Pinocchio has no batched crba in Python. Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 6, in joint
+frames; composite bodies are kept as mass, centre and inertia about the centre, which loses no digits for a light hand
+at the end of a long arm.
 """
 
 from __future__ import annotations
@@ -10,8 +11,8 @@ import numpy as np
 from numba import njit
 
 from asmc_pin._typing import Array, BoolArray, IntArray
+from asmc_pin.arms.batch import joint_rows
 from asmc_pin.arms.tree import Tree
-from asmc_pin.errors import ParameterError
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -156,10 +157,7 @@ def mass_matrices(tree: Tree, q: Array) -> Array:
     Raises:
         ParameterError: The last axis of q is not nv long.
     """
-    q = np.asarray(q, dtype=np.float64)
-    if q.ndim == 0 or q.shape[-1] != tree.nv:
-        raise ParameterError("q", f"shape {q.shape} given, (..., {tree.nv}) expected: one value per joint")
-    flat = np.ascontiguousarray(q.reshape(-1, tree.nv))
+    lead, (rows,) = joint_rows([f"joint {k}" for k in range(tree.nv)], {"q": q})
     mass: Array = crba(
         tree.parent,
         tree.rotation,
@@ -170,6 +168,6 @@ def mass_matrices(tree: Tree, q: Array) -> Array:
         tree.com,
         tree.inertia,
         tree.armature,
-        flat,
+        np.ascontiguousarray(rows),
     )
-    return mass.reshape(*q.shape[:-1], tree.nv, tree.nv)
+    return mass.reshape(*lead, tree.nv, tree.nv)

@@ -1,20 +1,58 @@
-"""How a user's variant of an arm is read: locked joints, reflected inertia, mounting."""
+"""How a user's variant of an arm is read: locked joints, reflected inertia, mounting, payload."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.arms.payload import Payload, as_payload
 from asmc_pin.arms.reading import Robot
 from asmc_pin.arms.registry import nearest
 from asmc_pin.errors import ParameterError
 
 GRAVITY = (0.0, 0.0, -9.81)
+Load = float | Payload | Mapping[str, Any]
+Armature = float | Sequence[float] | Array | Mapping[str, float]
 Lock = Mapping[str, "float | str | None"]
+Gravity = Sequence[float] | Array
+
+
+class Unchanged:
+    """Stands for an option of `Arm.replace` that was not given; None means "as if it had never been given"."""
+
+
+UNCHANGED = Unchanged()
+
+
+@dataclass(frozen=True)
+class Variant:
+    """The options of `load_arm`, copied, so that nobody changes them afterwards; None is what was not given."""
+
+    payload: Payload | None = None
+    armature: Array | dict[str, float] | None = None
+    lock: dict[str, float | str | None] | None = None
+    gravity: Array | None = None
+
+
+def read_variant(
+    payload: Load | None, armature: Armature | None, lock: Lock | None, gravity: Gravity | None
+) -> Variant:
+    """Copy and check what can be checked without the arm.
+
+    Raises:
+        ParameterError: Something is not a number, or has the wrong size.
+    """
+    return Variant(
+        payload=as_payload(payload),
+        armature=dict(armature) if isinstance(armature, Mapping) else _numbers("armature", armature),
+        lock=dict(lock) if lock is not None else None,
+        gravity=_gravity(gravity),
+    )
 
 
 def resolve_locks(robot: Robot, default: Mapping[str, float], lock: Lock | None) -> dict[str, float]:
@@ -26,53 +64,46 @@ def resolve_locks(robot: Robot, default: Mapping[str, float], lock: Lock | None)
         lock: The user's: joint to value (rad, m); None or ``"free"`` frees a joint that is locked by default.
 
     Returns:
-        Joint to value, joints that mimic a locked one included.
+        Joint to value; a joint that mimics a locked one is locked at the value that follows.
 
     Raises:
         ParameterError: An unknown joint, or a value that is not a finite number.
     """
-    locked: dict[str, float] = dict(default)
-    freed = set()
+    locked = dict(default)
     for name, value in (lock or {}).items():
         if name in robot.fixed:
-            raise ParameterError("lock", f"joint '{name}' is fixed in the URDF already; leave it out")
+            raise ParameterError("lock", f"joint '{name}' is fixed in {robot.path.name} already; leave it out")
         if name not in robot.joints:
-            raise ParameterError(
-                "lock", f"no joint '{name}' in {robot.document.path.name}; {nearest(name, list(robot.joints))}"
-            )
+            raise ParameterError("lock", f"no joint '{name}' in {robot.path.name}; {nearest(name, list(robot.joints))}")
         if value is None or value == "free":
             locked.pop(name, None)
-            freed.add(name)
             continue
+        unit = "m" if robot.joints[name].kind == "prismatic" else "rad"
         try:
-            number = float(value)
+            locked[name] = float(value)
         except (TypeError, ValueError):
-            number = math.nan
-        if not math.isfinite(number):
-            unit = "m" if robot.joints[name].kind == "prismatic" else "rad"
+            locked[name] = math.nan
+        if not math.isfinite(locked[name]):
             raise ParameterError("lock", f"joint '{name}': {value!r} given, a number in {unit} or \"free\" expected")
-        locked[name] = number
-    given = set(lock or {})
-    for name, joint in robot.joints.items():
-        if joint.mimic is None or name in given:
-            continue
-        master = joint.mimic.joint
-        if master in locked:
-            locked[name] = joint.mimic.multiplier * locked[master] + joint.mimic.offset
+    followers = {name: j.mimic for name, j in robot.joints.items() if j.mimic and name not in (lock or {})}
+    # A follower may follow a follower; each pass settles at least one more link of such a chain.
+    for _ in followers:
+        for name, mimic in followers.items():
+            if mimic.joint in locked:
+                locked[name] = mimic.multiplier * locked[mimic.joint] + mimic.offset
     return locked
 
 
 def resolve_armature(
-    joints: Sequence[str],
-    default: Mapping[str, float],
-    armature: float | Sequence[float] | Array | Mapping[str, float] | None,
+    joints: Sequence[str], default: Mapping[str, float], armature: Array | Mapping[str, float] | None
 ) -> Array:
     """Reflected rotor inertia of each moving joint, kg·m².
 
     Args:
         joints: Names of the moving joints.
         default: Values of the registry's entry.
-        armature: What the user sets in their place: one value for all, one per joint, or a mapping that leaves the others alone.
+        armature: What the user sets in their place: one value for all, one per joint, or a mapping that leaves the
+            other joints alone.
 
     Returns:
         Shape (nv,).
@@ -85,23 +116,23 @@ def resolve_armature(
         for name, value in armature.items():
             if name not in joints:
                 raise ParameterError("armature", f"no moving joint '{name}'; {nearest(name, list(joints))}")
-            values[list(joints).index(name)] = value
+            number = _numbers(f"armature.{name}", value)
+            if number is None or number.shape != ():
+                raise ParameterError(f"armature.{name}", f"{value!r} given, one number expected, kg·m²")
+            values[list(joints).index(name)] = number
     elif armature is not None:
-        given = _numbers("armature", armature)
-        if given.shape not in ((), (1,), (len(joints),)):
-            raise ParameterError(
-                "armature", f"{given.size} values given, 1 or {len(joints)} expected ({', '.join(joints)})"
-            )
-        values[:] = given
+        if armature.shape not in ((), (1,), (len(joints),)):
+            expected = f"1 or {len(joints)} expected ({', '.join(joints)})"
+            raise ParameterError("armature", f"{armature.size} values given, {expected}")
+        values[:] = armature
     if not np.all(np.isfinite(values)) or np.any(values < 0.0):
         raise ParameterError("armature", f"{values.tolist()} given, finite values of zero or more expected, kg·m²")
     return values
 
 
-def resolve_gravity(gravity: Sequence[float] | Array | None) -> Array:
-    """Acceleration of gravity in the base frame, shape (3,), m/s²."""
-    value = _numbers("gravity", GRAVITY if gravity is None else gravity)
-    if value.shape != (3,) or not np.all(np.isfinite(value)):
+def _gravity(gravity: Gravity | None) -> Array | None:
+    value = _numbers("gravity", gravity)
+    if value is not None and (value.shape != (3,) or not np.all(np.isfinite(value))):
         raise ParameterError(
             "gravity",
             f"{gravity!r} given, three finite numbers expected: the acceleration in the base frame, m/s², such as "
@@ -110,8 +141,8 @@ def resolve_gravity(gravity: Sequence[float] | Array | None) -> Array:
     return value
 
 
-def _numbers(parameter: str, value: Any) -> Array:
+def _numbers(parameter: str, value: Any) -> Array | None:
     try:
-        return np.array(value, dtype=np.float64)
+        return None if value is None else np.array(value, dtype=np.float64)
     except (TypeError, ValueError):
         raise ParameterError(parameter, f"{value!r} given, numbers expected") from None

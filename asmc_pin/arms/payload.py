@@ -59,7 +59,8 @@ def as_payload(value: float | Payload | Mapping[str, Any] | None) -> Payload | N
     """Read a payload as a user writes it.
 
     Args:
-        value: A mass in kg (a point mass at the frame of the last moving link), a `Payload`, or a mapping with its fields.
+        value: A mass in kg (a point mass at the frame of the last moving link), a `Payload`, or a mapping with its
+            fields.
 
     Returns:
         The payload, None for none.

@@ -6,6 +6,7 @@ import copy
 import io
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from asmc_pin.arms.inertia import inertia_problem
 from asmc_pin.arms.structure import MOVING, check_structure, where
 from asmc_pin.errors import ArmError
 
-# A joint of the dynamics-only XML never meets this; Pinocchio only wants to see a range.
+# Pinocchio wants to see a range at every joint; nothing reads this one, `Joint` has the real limits.
 _WIDE = "1e6"
 
 # Some files give a joint and a link the same name, which Pinocchio cannot tell apart when it locks a joint.
@@ -42,8 +43,7 @@ class Joint:
         name: Its name.
         kind: ``revolute`` or ``prismatic``.
         continuous: Whether it turns without end.
-        parent: Parent link.
-        child: Child link.
+        child: Its child link.
         lower: Lower limit, −inf where undeclared.
         upper: Upper limit, +inf where undeclared.
         effort: Torque limit, inf where undeclared.
@@ -57,7 +57,6 @@ class Joint:
     name: str
     kind: str
     continuous: bool
-    parent: str
     child: str
     lower: float
     upper: float
@@ -74,25 +73,29 @@ class Robot:
     """A checked URDF.
 
     Attributes:
-        document: The file.
+        path: The file.
+        text: The file as it stands.
+        sha256: Hex digest of its bytes.
         joints: Joints that can move, by name.
-        fixed: Fixed joints, name to (parent link, child link).
-        links: Link masses by name, 0 where a link carries no inertia.
-        xml: The same robot for Pinocchio: dynamics only, every continuous joint an unbounded revolute one,
-            and `JOINT_PREFIX` before every joint's name.
+        fixed: Names of the joints that cannot.
+        links: Names of the links.
+        xml: The same robot for Pinocchio: dynamics only, every continuous joint an unbounded revolute one, and
+            `JOINT_PREFIX` before every joint's name.
         warnings: What was taken otherwise than written.
     """
 
-    document: Document
+    path: Path
+    text: str
+    sha256: str
     joints: Mapping[str, Joint]
-    fixed: Mapping[str, tuple[str, str]]
-    links: Mapping[str, float]
+    fixed: tuple[str, ...]
+    links: tuple[str, ...]
     xml: str
     warnings: tuple[str, ...]
 
 
 def _stripped(document: Document) -> Any:
-    """The tree without what dynamics does not need, so that neither reader looks for meshes or trips over extensions."""
+    """The tree without what dynamics does not need, so that no reader looks for meshes or trips over extensions."""
     root = etree.Element("robot", name=document.root.get("name") or document.path.stem)
     keep = {"link": {"inertial"}, "joint": {"parent", "child", "origin", "axis", "limit", "dynamics", "mimic"}}
     for element in document.root:
@@ -100,11 +103,15 @@ def _stripped(document: Document) -> Any:
             attributes = {key: element.get(key) for key in ("name", "type") if element.get(key) is not None}
             slim = etree.SubElement(root, element.tag, attributes)
             slim.extend(copy.deepcopy(part) for part in element if part.tag in keep[element.tag])
+    for inertia in root.iter("inertia"):
+        for product in ("ixy", "ixz", "iyz"):
+            inertia.set(product, inertia.get(product, "0"))
     return root
 
 
 def _float(value: object, default: float) -> float:
-    return default if value is None else float(value)  # type: ignore[arg-type]
+    # yourdfpy leaves some numbers as text, and absent ones as None.
+    return default if value is None else float(str(value))
 
 
 def _joint(document: Document, raw: Any, element: Any) -> Joint:
@@ -116,20 +123,21 @@ def _joint(document: Document, raw: Any, element: Any) -> Joint:
         lower, upper = -np.inf, np.inf
     place = where(document, element)
     if lower > upper:
-        raise ArmError(document.path, f"{place}: lower limit {lower:g} above upper limit {upper:g}; exchange them")
+        raise ArmError(
+            document.path, f"{place}: its lower limit {lower:g} is above its upper limit {upper:g}; swap them"
+        )
     effort, velocity = _float(limit.effort, 0.0), _float(limit.velocity, 0.0)
     friction, damping = _float(dynamics.friction, 0.0), _float(dynamics.damping, 0.0)
     for what, value in (("friction", friction), ("damping", damping)):
         if value < 0.0:
             raise ArmError(
-                document.path, f"{place}: {what} {value:g} is negative, which would drive the joint; make it positive"
+                document.path, f"{place}: its {what} {value:g} is negative, which would drive it; make it ≥ 0"
             )
     mimic = raw.mimic and Mimic(raw.mimic.joint, _float(raw.mimic.multiplier, 1.0), _float(raw.mimic.offset, 0.0))
     return Joint(
         name=raw.name,
         kind="prismatic" if raw.type == "prismatic" else "revolute",
         continuous=continuous,
-        parent=raw.parent,
         child=raw.child,
         lower=lower,
         upper=upper,
@@ -143,7 +151,7 @@ def _joint(document: Document, raw: Any, element: Any) -> Joint:
 
 
 def _pinocchio_xml(root: Any) -> str:
-    """Rewrite the stripped tree so that Pinocchio gives every joint one coordinate and no friction, damping or limit."""
+    """Rewrite the stripped tree so that Pinocchio gives every joint one coordinate, and nothing but inertia."""
     root = copy.deepcopy(root)
     for joint in root.findall("joint"):
         joint.set("name", JOINT_PREFIX + joint.get("name"))
@@ -152,6 +160,7 @@ def _pinocchio_xml(root: Any) -> str:
                 joint.remove(element)
         axis = joint.find("axis")
         if joint.get("type") == "fixed":
+            # Files write "0 0 0" there, which is no direction.
             if axis is not None:
                 joint.remove(axis)
             continue
@@ -161,10 +170,6 @@ def _pinocchio_xml(root: Any) -> str:
             direction: Array = np.array([float(x) for x in axis.get("xyz", "1 0 0").split()])
             axis.set("xyz", " ".join(repr(float(x)) for x in direction / np.linalg.norm(direction)))
         etree.SubElement(joint, "limit", lower=f"-{_WIDE}", upper=_WIDE, effort=_WIDE, velocity=_WIDE)
-    for inertial in root.iter("inertial"):
-        inertia = inertial.find("inertia")
-        for product in ("ixy", "ixz", "iyz"):
-            inertia.set(product, inertia.get(product, "0"))
     text: str = etree.tostring(root, encoding="unicode")
     return text
 
@@ -179,7 +184,7 @@ def _check_inertias(document: Document, links: list[Any]) -> list[str]:
         if problem:
             raise ArmError(document.path, f"{where(document, elements[link.name])}: {problem}")
         if link.inertial.mass == 0.0 and np.any(link.inertial.inertia):
-            warnings.append(f"link '{link.name}' has a rotational inertia but no mass")
+            warnings.append(f"link '{link.name}' has a rotational inertia but no mass; both are taken as written")
     return warnings
 
 
@@ -197,19 +202,16 @@ def read_robot(document: Document) -> Robot:
     """
     check_structure(document)
     root = _stripped(document)
-    for inertia in root.iter("inertia"):
-        for product in ("ixy", "ixz", "iyz"):
-            inertia.set(product, inertia.get(product, "0"))
-    raw = yourdfpy.URDF.load(
-        io.BytesIO(etree.tostring(root)), build_scene_graph=False, load_meshes=False, filename_handler=lambda name: name
-    ).robot
+    raw = yourdfpy.URDF.load(io.BytesIO(etree.tostring(root)), build_scene_graph=False, load_meshes=False).robot
     elements = {element.get("name"): element for element in document.root.findall("joint")}
     warnings = _check_inertias(document, raw.links)
     return Robot(
-        document=document,
+        path=document.path,
+        text=document.text,
+        sha256=document.sha256,
         joints={j.name: _joint(document, j, elements[j.name]) for j in raw.joints if j.type in MOVING},
-        fixed={j.name: (j.parent, j.child) for j in raw.joints if j.type not in MOVING},
-        links={link.name: float(link.inertial.mass) if link.inertial else 0.0 for link in raw.links},
+        fixed=tuple(j.name for j in raw.joints if j.type not in MOVING),
+        links=tuple(link.name for link in raw.links),
         xml=_pinocchio_xml(root),
         warnings=tuple(warnings),
     )

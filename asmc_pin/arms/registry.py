@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import difflib
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 from types import MappingProxyType
@@ -72,7 +71,7 @@ _EXAMPLE_ROBOT_DATA = (
         "frankaemika/franka_ros, noetic-devel",
         "Apache-2.0",
         "panda_description/urdf/panda.urdf",
-        locks={"panda_finger_joint1": 0.0, "panda_finger_joint2": 0.0},
+        locks={"panda_finger_joint1": 0.0},  # the other finger mimics it
     ),
     ArmEntry(
         "kinova",
@@ -143,7 +142,6 @@ def _entry(source: Path) -> ArmEntry:
     )
 
 
-@cache
 def _registry() -> Mapping[str, ArmEntry]:
     own = (_entry(source) for source in sorted(shipped("urdf").glob("*/SOURCE.toml")))
     return MappingProxyType({entry.name: entry for entry in (*own, *_EXAMPLE_ROBOT_DATA)})
@@ -174,7 +172,7 @@ def package_dirs(path: Path) -> tuple[Path, ...]:
     return above if share in above else (*above, share)
 
 
-def nearest(name: str, known: list[str] | tuple[str, ...], limit: int = 3) -> str:
+def nearest(name: str, known: Sequence[str], limit: int = 3) -> str:
     """A phrase that lists the known names nearest to a given one, or all where none is near."""
     close = difflib.get_close_matches(name.lower(), [k.lower() for k in known], n=limit, cutoff=0.5)
     found = [k for c in close for k in known if k.lower() == c]
@@ -187,7 +185,7 @@ def find(source: str | Path) -> tuple[Path, ArmEntry | None]:
     """The URDF that a name or a path stands for.
 
     Args:
-        source: Name of a known arm, or path of a URDF. A known name wins over a file of the same name; write ``./ur5`` for that.
+        source: Name of a known arm, or path of a URDF. A name wins over a file of that name; write ``./ur5`` for it.
 
     Returns:
         The path, and the registry's entry where it was a name.

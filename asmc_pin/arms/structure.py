@@ -39,7 +39,9 @@ def _named(document: Document, tag: str) -> list[Any]:
     for name, count in Counter(element.get("name") for element in elements).items():
         if count > 1:
             lines = ", ".join(str(e.sourceline) for e in elements if e.get("name") == name)
-            message = f"{count} {tag}s are named '{name}' in {document.path} (lines {lines}); names must be unique, rename one"
+            message = (
+                f"{count} {tag}s are named '{name}' in {document.path} (lines {lines}); names are unique, rename one"
+            )
             raise ArmError(document.path, message)
     return list(elements)
 
@@ -90,13 +92,13 @@ def _check_joint(document: Document, joint: Any, links: list[str]) -> None:
     if kind == "floating":
         raise ArmError(
             document.path,
-            f'{place}: a floating base. These are arms on a fixed base: make the joint type="fixed", or remove it and its '
-            "parent link",
+            f'{place}: a floating base. These are arms on a fixed base: make the joint type="fixed", or remove it and '
+            "its parent link",
         )
     if kind == "planar":
         raise ArmError(
             document.path,
-            f"{place}: a planar joint has two or three coordinates, here every joint has one; make it fixed, or write it as "
+            f"{place}: a planar joint has several coordinates, here every joint has one; make it fixed, or write it as "
             "two prismatic joints with a link between",
         )
     for role in ("parent", "child"):
@@ -123,8 +125,8 @@ def _check_tree(document: Document, links: list[str], joints: list[Any]) -> None
         if child in children:
             raise ArmError(
                 document.path,
-                f"{where(document, joint)}: a closed loop, link '{child}' already hangs on joint '{children[child]}'. Closed "
-                "chains are not supported: cut the loop at one joint, or use the equivalent open chain",
+                f"{where(document, joint)}: a closed loop, link '{child}' already hangs on joint '{children[child]}'. "
+                "Closed chains are not supported: cut the loop at one joint, or use the equivalent open chain",
             )
         children[child] = joint.get("name")
     roots = [link for link in links if link not in children]
@@ -136,8 +138,8 @@ def _check_tree(document: Document, links: list[str], joints: list[Any]) -> None
     if len(roots) > 1:
         raise ArmError(
             document.path,
-            f"{document.path}: {len(roots)} links have no parent ({', '.join(roots)}); an arm has one base. Join the others "
-            "to it with fixed joints, or remove them",
+            f"{document.path}: {len(roots)} links have no parent ({', '.join(roots)}); an arm has one base. Join the "
+            "others to it with fixed joints, or remove them",
         )
     below: dict[str, list[str]] = {}
     for joint in joints:
@@ -151,7 +153,8 @@ def _check_tree(document: Document, links: list[str], joints: list[Any]) -> None
         rest = ", ".join(link for link in links if link not in reached)
         raise ArmError(
             document.path,
-            f"{document.path}: a closed loop, links {rest} hang on each other and not on the base '{roots[0]}'; cut it at one joint",
+            f"{document.path}: a closed loop, links {rest} hang on each other and not on the base '{roots[0]}'; cut it "
+            "at one joint",
         )
 
 
