@@ -1,0 +1,202 @@
+"""The data flow of the package goes one way: what each part may import, read from the source.
+
+A new part of the package needs a row in MAY_IMPORT, which says where in the flow it stands.
+"""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent / "asmc_pin"
+
+# Part -> parts that it may import. A part may only name parts above its own row, so that there is no way back.
+# `errors` and `_typing` are open to all. Of the controllers the plant knows what it exchanges with them, and s for the log.
+MAY_IMPORT: dict[str, set[str]] = {
+    "_typing": set(),
+    "errors": set(),
+    "resources": set(),
+    "arms": {"resources"},
+    "controllers": set(),
+    "baselines": {"arms", "controllers"},  # laws that may know the arm, to compare with
+    "references": {"controllers"},
+    "condition": {"arms", "controllers", "references"},
+    "plant": {"arms", "controllers.base", "controllers.tde.sliding_variable"},
+    "rollout": {"arms", "controllers", "references", "plant"},
+    "metrics": {"rollout"},
+    "monitors": {"rollout", "metrics"},
+    "experiment": {"resources", "arms", "controllers", "baselines", "references", "condition", "plant", "metrics"},
+    "results": {"resources", "arms", "references", "rollout", "metrics", "monitors", "experiment"},
+    "viewer": {"resources", "arms", "metrics", "experiment", "results"},
+    "report": {"resources", "arms", "controllers", "references", "metrics", "experiment", "results", "viewer"},
+}
+EVERYTHING = {*MAY_IMPORT, "package"}
+MAY_IMPORT["study"] = EVERYTHING
+MAY_IMPORT["cli"] = EVERYTHING | {"study"}
+MAY_IMPORT["package"] = EVERYTHING | {"study", "cli"}  # asmc_pin/__init__.py, the public names
+
+# Libraries with one home, so that what it costs to change them is known.
+HOME = {
+    "pinocchio": {"arms", "plant"},
+    "meshcat": {"viewer"},
+    "matplotlib": {"report"},
+    "plotly": {"report"},
+    "cvxpy": {"condition"},
+    "pydantic": {"experiment"},
+    "optuna": {"study"},
+    "typer": {"cli"},
+}
+
+
+def imports(source: str, module: str, is_package: bool) -> set[str]:
+    """Every module that the source names in an import, absolute; wherever the import stands, `TYPE_CHECKING` included.
+
+    ``from a import b`` counts as a.b, be b a module or not. ``import_module("a")`` counts as well.
+    """
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                package = module.split(".")[: None if is_package else -1]
+                package = package[: len(package) - node.level + 1]
+                base = ".".join([*package, *([base] if base else [])])
+            found |= {f"{base}.{alias.name}" for alias in node.names}
+        elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
+            name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+            if name in ("import_module", "__import__"):
+                found.add(str(node.args[0].value))
+    return found
+
+
+def part_of(module: str) -> str:
+    """The part of asmc_pin that a module or a name within it belongs to; `package` for names of asmc_pin itself."""
+    names = module.split(".")
+    known = len(names) > 1 and ((ROOT / names[1]).is_dir() or (ROOT / f"{names[1]}.py").is_file())
+    return names[1] if known else "package"
+
+
+def sources() -> list[tuple[str, Path]]:
+    modules = []
+    for path in sorted(ROOT.rglob("*.py")):
+        names = ["asmc_pin", *path.relative_to(ROOT).with_suffix("").parts]
+        modules.append((".".join(names[:-1] if names[-1] == "__init__" else names), path))
+    return modules
+
+
+def imports_of(module: str, path: Path) -> set[str]:
+    return imports(path.read_text(encoding="utf-8"), module, path.name == "__init__.py")
+
+
+def is_allowed(target: str, part: str) -> bool:
+    other = part_of(target)
+    below = ".".join(target.split(".")[1:])
+    return other in {part, "errors", "_typing"} | MAY_IMPORT[part] or any(
+        below == name or below.startswith(f"{name}.") for name in MAY_IMPORT[part] if "." in name
+    )
+
+
+def test_every_part_has_its_place_in_the_flow() -> None:
+    parts = {part_of(module) for module, _ in sources()}
+    assert parts <= set(MAY_IMPORT), f"give {sorted(parts - set(MAY_IMPORT))} a row in MAY_IMPORT of {__file__}"
+
+
+def test_the_flow_has_no_way_back() -> None:
+    above: set[str] = set()
+    for part, allowed in MAY_IMPORT.items():
+        # The names of the package itself (its version, its public names) are for the outermost parts only.
+        outermost = {"package"} if part in ("study", "cli", "package") else set()
+        assert {name.split(".")[0] for name in allowed} - above <= outermost
+        above.add(part)
+
+
+@pytest.mark.parametrize("part", MAY_IMPORT)
+def test_a_part_imports_only_from_the_parts_before_it(part: str) -> None:
+    wrong = [
+        f"{path.relative_to(ROOT.parent)} imports {target}"
+        for module, path in sources()
+        if part_of(module) == part
+        for target in sorted(imports_of(module, path))
+        if target.split(".")[0] == "asmc_pin" and not is_allowed(target, part)
+    ]
+    assert not wrong
+
+
+def test_control_laws_see_numpy_and_nothing_of_the_arm() -> None:
+    allowed = (sys.stdlib_module_names - {"importlib", "ctypes", "subprocess", "socket"}) | {"numpy"}
+    own = ("asmc_pin.errors", "asmc_pin._typing", "asmc_pin.controllers")
+    wrong = [
+        f"{path.name} imports {target}"
+        for module, path in sources()
+        if part_of(module) == "controllers"
+        for target in imports_of(module, path)
+        if target.split(".")[0] not in allowed and not any(f"{target}.".startswith(f"{name}.") for name in own)
+    ]
+    assert not wrong
+
+
+@pytest.mark.parametrize("library", HOME)
+def test_a_library_is_imported_only_where_it_is_at_home(library: str) -> None:
+    wrong = [
+        f"{path.relative_to(ROOT.parent)} imports {target}"
+        for module, path in sources()
+        for target in imports_of(module, path)
+        if target.split(".")[0] == library and part_of(module) not in HOME[library]
+    ]
+    assert not wrong
+
+
+def test_a_law_runs_in_a_process_that_never_loads_the_arm() -> None:
+    code = "import sys, asmc_pin.controllers; print(*sorted({m.split('.')[0] for m in sys.modules}))"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert "numpy" in loaded
+    assert not {"pinocchio", "scipy", "numba", "yourdfpy", "pandas", "typer"} & set(loaded)
+
+
+# That the reading above can fail -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("source", "found"),
+    [
+        ("import pinocchio as pin", "pinocchio"),
+        ("def f():\n    from pinocchio import crba", "pinocchio.crba"),
+        ("if TYPE_CHECKING:\n    import asmc_pin.plant", "asmc_pin.plant"),
+        ("from asmc_pin import plant", "asmc_pin.plant"),
+        ("from ..plant import Plant", "asmc_pin.plant.Plant"),
+        ("from .. import plant", "asmc_pin.plant"),
+        ("from . import base", "asmc_pin.controllers.base"),
+        ("import importlib\nimportlib.import_module('pinocchio')", "pinocchio"),
+        ("__import__('pinocchio')", "pinocchio"),
+    ],
+)
+def test_every_form_of_import_is_seen(source: str, found: str) -> None:
+    assert found in imports(source, "asmc_pin.controllers.ppc", is_package=False)
+
+
+def test_a_relative_import_in_a_package_starts_from_the_package() -> None:
+    assert imports("from .ppc import Ppc", "asmc_pin.controllers", is_package=True) == {"asmc_pin.controllers.ppc.Ppc"}
+
+
+@pytest.mark.parametrize(
+    ("target", "part", "allowed"),
+    [
+        ("asmc_pin.plant.Plant", "controllers", False),
+        ("asmc_pin.rollout.rollout", "report", False),
+        ("asmc_pin.plant", "viewer", False),
+        ("asmc_pin.load_arm", "controllers", False),
+        ("asmc_pin.controllers.base.Sample", "plant", True),
+        ("asmc_pin.controllers.ppc.Ppc", "plant", False),
+        ("asmc_pin.errors.ParameterError", "controllers", True),
+        ("asmc_pin.arms.Arm", "condition", True),
+        ("asmc_pin.condition", "arms", False),
+    ],
+)
+def test_the_flow_forbids_what_it_is_meant_to_forbid(target: str, part: str, allowed: bool) -> None:
+    assert is_allowed(target, part) is allowed
