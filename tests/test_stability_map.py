@@ -48,6 +48,7 @@ def drive_the_real_controller(
     rates[:n, n : 2 * n] = np.eye(n)
     rates[n : 2 * n] = np.hstack([-inverse @ spring, -inverse @ damping, inverse])
     whole, fraction = divmod(loop.delay, 1.0)
+    pieces = [expm(rates * share * loop.period) for share in (fraction, 1.0 - fraction)]
     history = [np.zeros(n)] * (int(whole) + 2)
     q, v, reported = np.array([0.01, -0.02, 0.015]), np.array([0.1, 0.05, -0.2]), np.zeros(n)
     zero = Setpoint(np.zeros((1, n)), np.zeros((1, n)), np.zeros((1, n)))
@@ -59,8 +60,8 @@ def drive_the_real_controller(
         torque, state = law.step(state, Sample(q[None], v[None], reported[None]), zero)
         history = [torque[0], *history[:-1]]
         recent, older = history[int(whole)], history[int(whole) + 1]
-        for share, acting in ((fraction, older), (1.0 - fraction, recent)):
-            x = expm(rates * share * loop.period) @ np.concatenate([q, v, acting - load])
+        for piece, acting in zip(pieces, (older, recent), strict=True):
+            x = piece @ np.concatenate([q, v, acting - load])
             q, v = x[:n], x[n : 2 * n]
         reported = fraction * older + (1.0 - fraction) * recent
     states = np.array(seen)
@@ -120,15 +121,28 @@ def test_one_mode_at_a_time_gives_the_radius_of_the_full_map(timing: dict) -> No
 
 
 @pytest.mark.parametrize("timing", TIMINGS, ids=str)
-def test_semi_implicit_substeps_converge_to_held_torque_at_first_order(timing: dict) -> None:
+def test_plant_s_substeps_converge_to_held_torque(timing: dict) -> None:
     loop = SampledLoop(MBAR, KS, 25.0, 0.002, **timing)
     viscous, stiffness = np.array([0.3, 1.0, 0.2]), np.diag([9.0, -4.0, 3.0])
-    exact = closed_loop(MASS, loop, viscous=viscous, stiffness=stiffness).matrix
-    errors = [
-        np.abs(closed_loop(MASS, loop, viscous=viscous, stiffness=stiffness, substeps=s).matrix - exact).max()
-        for s in (200, 400)
-    ]
-    assert errors[0] / errors[1] == pytest.approx(2.0, rel=0.05)
+
+    def errors(**surroundings: Array) -> list[float]:
+        exact = closed_loop(MASS, loop, **surroundings).matrix
+        return [
+            float(np.abs(closed_loop(MASS, loop, substeps=s, **surroundings).matrix - exact).max()) for s in (80, 160)
+        ]
+
+    first, second = errors(viscous=viscous, stiffness=stiffness), errors(stiffness=stiffness)
+    assert first[0] / first[1] == pytest.approx(2.0, rel=0.05)  # friction is taken at the end of a step
+    assert second[0] / second[1] == pytest.approx(4.0, rel=0.05)
+
+
+@pytest.mark.parametrize("substeps", [1, 2, 5])
+@pytest.mark.parametrize("acceleration", ["velocity", "position"])
+def test_plant_s_substeps_are_exact_without_friction_and_stiffness(substeps: int, acceleration: str) -> None:
+    loop = SampledLoop(MBAR, KS, 25.0, 0.002, acceleration=acceleration, filter_hz=35.0, delay=1.0)
+    np.testing.assert_allclose(
+        closed_loop(MASS, loop, substeps=substeps).matrix, closed_loop(MASS, loop).matrix, rtol=1e-12, atol=1e-9
+    )
 
 
 def test_ratios_are_the_eigenvalues_of_the_paper_s_matrix() -> None:

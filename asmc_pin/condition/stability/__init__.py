@@ -1,5 +1,6 @@
 """The sampled closed loop: its exact linear map, where it is stable, and what margins and errors it has."""
 
+from asmc_pin.condition.stability.limits import Limits
 from asmc_pin.condition.stability.linear_map import (
     ClosedLoop,
     closed_loop,
@@ -8,5 +9,16 @@ from asmc_pin.condition.stability.linear_map import (
     spectral_radius,
 )
 from asmc_pin.condition.stability.loop import SampledLoop
+from asmc_pin.condition.stability.report import StabilityReport, stability
 
-__all__ = ["ClosedLoop", "SampledLoop", "closed_loop", "inertia_ratios", "modal_radius", "spectral_radius"]
+__all__ = [
+    "ClosedLoop",
+    "Limits",
+    "SampledLoop",
+    "StabilityReport",
+    "closed_loop",
+    "inertia_ratios",
+    "modal_radius",
+    "spectral_radius",
+    "stability",
+]

@@ -53,7 +53,8 @@ def closed_loop(
         loop: Gains and timing.
         viscous: Viscous friction, shape (nv,), N·m·s/rad; none by default.
         stiffness: ∂g/∂q there, shape (..., nv, nv), N·m/rad, for the linearisation about rest; none by default.
-        substeps: None: the exact solution under held torque. A number: the plant's semi-implicit steps per period.
+        substeps: None: the exact solution under held torque. A number: as many steps of the plant's own scheme, which
+            differs from it only where there is friction, stiffness, or a delay that ends within a step.
 
     Returns:
         The map. State order: q, v, tde, then as needed slope (position estimate), acceleration (filter), and command-1,
