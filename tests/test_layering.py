@@ -15,7 +15,7 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent / "asmc_pin"
 
 # Part -> parts that it may import. A part may only name parts above its own row, so that there is no way back.
-# `errors` and `_typing` are open to all. Of the controllers the plant knows what it exchanges with them, and s for the log.
+# `errors` and `_typing` are open to all. Of the controllers the plant knows what it exchanges with them, and s to log.
 MAY_IMPORT: dict[str, set[str]] = {
     "_typing": set(),
     "errors": set(),
