@@ -49,8 +49,10 @@ def tree_of(model: pin.Model) -> Tree:
     data = model.createData()
     pin.computeJointJacobians(model, data, np.zeros(model.nq))
     joints = range(1, model.njoints)
-    # The local Jacobian's own column is the joint's motion subspace, whatever Pinocchio calls the joint's type.
-    motion = np.array([pin.getJointJacobian(model, data, j, pin.LOCAL)[:, model.idx_vs[j]] for j in joints])
+    # The local Jacobian's own column is the joint's motion subspace, whatever Pinocchio calls the joint's type. Of an
+    # arm with one joint eigenpy hands the Jacobian over as a vector.
+    jacobians = [pin.getJointJacobian(model, data, j, pin.LOCAL).reshape(6, model.nv) for j in joints]
+    motion = np.array([jacobian[:, model.idx_vs[j]] for jacobian, j in zip(jacobians, joints, strict=True)])
     prismatic = np.any(motion[:, :3] != 0.0, axis=1)
     arrays = {
         "parent": np.array([model.parents[j] - 1 for j in joints], dtype=np.int64),
