@@ -88,6 +88,8 @@ def rollout(
             if progress is not None and (k % CHUNK == 0 or k == ticks):
                 progress(k, ticks)
         recorder.finish(k, stopped_at)
+    if progress is not None and k < ticks:
+        progress(ticks, ticks)
 
     end_time = time[np.minimum(stopped_at, ticks - 1)]
     for array in (time, wanted.q, wanted.v, wanted.a, end_time):

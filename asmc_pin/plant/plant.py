@@ -69,7 +69,8 @@ class Plant:
             integrator: A name in `asmc_pin.plant.INTEGRATORS`.
             speed_bound: Positive.
             error_bound: Positive.
-            threads: At least 1. More than one pays from some 64 trials on, and only on processors that are otherwise idle:
+            threads: At least 1. More than one pays from some 64 trials on, and only on processors that are otherwise
+                idle:
             OpenMP's threads spin while they wait, so beside other work the run takes several times longer.
 
         Raises:
