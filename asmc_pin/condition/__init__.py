@@ -1,1 +1,19 @@
-"""condition."""
+"""The condition on M̄: evaluated, searched, designed for."""
+
+from __future__ import annotations
+
+from asmc_pin.condition.lemma1 import CONDITIONS, Condition, lemma1_norm, weighted_norm
+from asmc_pin.condition.report import ConditionReport
+from asmc_pin.condition.search import scale_refuted, search_worst
+from asmc_pin.condition.verify import verify
+
+__all__ = [
+    "CONDITIONS",
+    "Condition",
+    "ConditionReport",
+    "lemma1_norm",
+    "scale_refuted",
+    "search_worst",
+    "verify",
+    "weighted_norm",
+]

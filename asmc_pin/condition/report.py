@@ -1,0 +1,95 @@
+"""What verifying M̄ says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from asmc_pin._typing import Array
+from asmc_pin.condition.lemma1 import FORMULAS, Condition
+
+Verdict = Literal["violated", "holds", "unrefuted", "undecided"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ConditionReport:
+    """Whether M̄ satisfies a condition on an arm, and what that rests on.
+
+    Attributes:
+        arm: Name of the arm.
+        sha256: Hash of its URDF.
+        joints: Its moving joints, base first.
+        mbar: Diagonal of M̄, shape (nv,), kg·m².
+        condition: ``lemma1`` or ``weighted``.
+        verdict: ``violated``: `worst_q` is a counter-example. ``holds``: proven over the box. ``unrefuted``: sampled
+            and searched only, which can refute and never prove. ``undecided``: neither within the budget.
+        kind: ``sampled`` or ``certified``.
+        lower: Largest value seen of the condition's norm: ‖I − M⁻¹M̄‖₂, or max|1 − λ(M⁻¹M̄)|.
+        upper: A proven bound of it; None where only sampled.
+        worst_q: Configuration of `lower`, shape (nv,), rad (m where prismatic).
+        configurations: How many configurations were evaluated.
+        seconds: Wall time.
+        notes: What a reader has to know, in plain words.
+        box: Joint box, lower and upper ends, each (nv,); where it was along a motion, the range of the motion.
+        smallest: Smallest norm among the samples.
+        worst_case: Which end of the ranges (payload, locks) `lower` belongs to; empty without ranges.
+        worst_armature: Armature there, shape (nv,), kg·m².
+        samples: The norm at every sample, for distributions.
+        times: Along a motion: times, shape (T,), s; else None.
+        norms: Along a motion: the norm at each time, shape (T,); the largest over the ranges.
+        worst_time: Along a motion: time of `lower`, s.
+        scale_proven: The condition is proven for M̄ times this; None unless asked for.
+        scale_refuted: A counter-example was found for M̄ times this; None unless asked for.
+        scope: Over what: ``box``, ``motion`` or ``tube``.
+        method: How `lower` and `upper` were obtained, one sentence each.
+    """
+
+    arm: str
+    sha256: str
+    joints: tuple[str, ...]
+    mbar: Array
+    condition: Condition
+    verdict: Verdict
+    kind: Literal["sampled", "certified"]
+    lower: float
+    upper: float | None
+    worst_q: Array
+    configurations: int
+    seconds: float
+    box: tuple[Array, Array]
+    smallest: float
+    worst_armature: Array
+    samples: Array = field(repr=False)
+    notes: tuple[str, ...] = ()
+    worst_case: str = ""
+    times: Array | None = field(default=None, repr=False)
+    norms: Array | None = field(default=None, repr=False)
+    worst_time: float | None = None
+    scale_proven: float | None = None
+    scale_refuted: float | None = None
+    scope: Literal["box", "motion", "tube"] = "box"
+    method: tuple[str, ...] = ()
+
+    @property
+    def formula(self) -> str:
+        """The condition as an inequality."""
+        return FORMULAS[self.condition]
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The object that ``asmc-pin verify --json`` prints; undefined figures are None."""
+        content: dict[str, Any] = {
+            "arm": self.arm,
+            "joints": list(self.joints),
+            "mbar": self.mbar.tolist(),
+            "condition": self.condition,
+            "verdict": self.verdict,
+            "kind": self.kind,
+            "lower": self.lower,
+            "upper": self.upper,
+            "worst_q": self.worst_q.tolist(),
+            "configurations": self.configurations,
+            "seconds": self.seconds,
+        }
+        if self.kind == "certified":
+            content |= {"scale_proven": self.scale_proven, "scale_refuted": self.scale_refuted}
+        return content

@@ -1,0 +1,326 @@
+"""The worst configuration, searched: low-discrepancy samples, then local maximisation with exact gradients.
+
+A search gives a value that some configuration really has. It refutes; it never proves.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.stats import qmc
+
+from asmc_pin._typing import Array, BoolArray, IntArray
+from asmc_pin.condition import kernels, kernels_climb
+from asmc_pin.condition.box import Box, BoxLike, resolve_box
+from asmc_pin.condition.kernels_chain import Chain, chain_of
+from asmc_pin.condition.lemma1 import Condition, check_condition, check_mbar
+from asmc_pin.errors import NotPositiveDefinite, ParameterError
+
+if TYPE_CHECKING:
+    from asmc_pin.arms import Arm
+
+NORM = {"lemma1": kernels.LEMMA1, "weighted": kernels.WEIGHTED}
+SCALE = {"lemma1": kernels.LEMMA1_SCALE, "weighted": kernels.WEIGHTED_SCALE}
+
+COMPANION = {
+    kernels.LEMMA1: kernels.LEMMA1_SCALE,
+    kernels.WEIGHTED: kernels.WEIGHTED_SCALE,
+    kernels.LEMMA1_SCALE: kernels.LEMMA1,
+    kernels.WEIGHTED_SCALE: kernels.WEIGHTED,
+    kernels.BANDWIDTH: kernels.WEIGHTED,
+}
+"""A figure whose good starts are other ones: a broad basin of the norm hides a narrow, higher one from the samples."""
+
+SAMPLES = 2**15
+STARTS = 64
+_CHUNK = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class Domain:
+    """All that a search varies on one arm: the joint box, and the armature within a range.
+
+    Attributes:
+        arm: The arm; its own armature is replaced by the range.
+        box: The joint box.
+        armature_lower: Shape (nv,), kg·m².
+        armature_upper: Shape (nv,), kg·m².
+    """
+
+    arm: Arm
+    box: Box
+    armature_lower: Array
+    armature_upper: Array
+
+    @property
+    def chain(self) -> Chain:
+        """The compiled form of the arm."""
+        return chain_of(self.arm)
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a search found.
+
+    Attributes:
+        value: The largest value of the figure.
+        q: Where, shape (nv,).
+        armature: With which armature, shape (nv,), kg·m².
+        samples: The figure at the samples, shape (samples,).
+        configurations: How many configurations were evaluated, gradients included.
+    """
+
+    value: float
+    q: Array
+    armature: Array
+    samples: Array
+    configurations: int
+
+
+def domain_of(arm: Arm, box: BoxLike = None) -> Domain:
+    """The domain of one arm as it is, without ranges of armature."""
+    return Domain(arm, resolve_box(arm, box), arm.armature, arm.armature)
+
+
+def sample_box(box: Box, count: int, seed: int) -> Array:
+    """Scrambled Sobol points of a box; joints that do not matter stay at its centre.
+
+    Args:
+        box: The box.
+        count: How many points.
+        seed: Of the scrambling; the same seed gives the same points.
+
+    Returns:
+        Shape (count, nv).
+    """
+    q = np.tile(box.centre, (count, 1))
+    free = np.flatnonzero(box.free)
+    if free.size:
+        q[:, free] = box.lower[free] + _sobol(free.size, count, seed) * (box.upper - box.lower)[free]
+    return q
+
+
+def _sobol(dimension: int, count: int, seed: int) -> Array:
+    exponent = max(count - 1, 1).bit_length()
+    points: Array = qmc.Sobol(dimension, seed=seed).random_base2(exponent)[:count]
+    return points
+
+
+def evaluate(kind: int, arm: Arm, q: Array, mbar: Array, armature: Array | None = None, threads: int = 1) -> Array:
+    """A figure of the condition at many configurations, by the compiled kernel.
+
+    Args:
+        kind: `kernels.LEMMA1` and its fellows.
+        arm: The arm.
+        q: Shape (count, nv).
+        mbar: Diagonal of M̄, shape (nv,).
+        armature: In place of the arm's own, shape (nv,) or (count, nv).
+        threads: Worker threads; the kernels release the interpreter's lock.
+
+    Returns:
+        Shape (count,).
+
+    Raises:
+        NotPositiveDefinite: M(q) is not positive definite at one of them.
+    """
+    chain = chain_of(arm)
+    q = np.ascontiguousarray(q)
+    # Copies, because a read-only array is another type to the compiler and would compile everything again.
+    added = np.array(np.atleast_2d(arm.armature if armature is None else armature), order="C")
+    mbar = np.array(mbar)
+    out = np.empty(len(q))
+
+    def run(start: int) -> None:
+        part = slice(start, start + _CHUNK)
+        kernels.figures(kind, chain, added if len(added) == 1 else added[part], q[part], mbar, out[part])
+
+    if threads == 1 or len(q) <= _CHUNK:
+        for start in range(0, len(q), _CHUNK):
+            run(start)
+    else:
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(run, range(0, len(q), _CHUNK)))
+    bad = np.flatnonzero(np.isnan(out))
+    if bad.size:
+        mass = arm.mass_matrix(q[bad[0]])
+        raise NotPositiveDefinite((int(bad[0]),), float(np.linalg.eigvalsh(mass)[0]))
+    return out
+
+
+def maximise(
+    kind: int,
+    domain: Domain,
+    mbar: Array,
+    *,
+    samples: int = SAMPLES,
+    starts: int = STARTS,
+    seed: int = 0,
+    threads: int = 1,
+) -> Found:
+    """Largest value of a figure over a domain, as far as a search can tell.
+
+    Samples the box, each with the armature at a random end of its range (the conditions are convex in the armature, so
+    an end is worst), then climbs, angles and armature together, from the best samples that are apart from each other,
+    from the best of a companion figure, and from some that were not chosen at all.
+
+    Args:
+        kind: `kernels.LEMMA1` and its fellows; all are figures of which more is worse.
+        domain: What is varied.
+        mbar: Diagonal of M̄, shape (nv,).
+        samples: Number of samples.
+        starts: Number of local climbs.
+        seed: Of the samples.
+        threads: Worker threads of the sampling.
+
+    Returns:
+        What was found.
+    """
+    if samples < 1:
+        raise ParameterError("samples", f"{samples} given, at least 1 expected")
+    box, nv = domain.box, domain.arm.nv
+    q = sample_box(box, samples, seed)
+    lower, upper = domain.armature_lower, domain.armature_upper
+    ranged = np.flatnonzero(upper > lower)
+    if ranged.size:
+        ends = np.random.default_rng(seed).random((samples, nv)) < 0.5
+        armature = np.where(ends, lower, upper)
+    else:
+        armature = lower[None, :]
+    values = evaluate(kind, domain.arm, q, mbar, armature, threads)
+    configurations = samples
+    first = int(np.argmax(values))
+    best = (float(values[first]), q[first], armature[first % len(armature)])
+    if starts > 0 and (box.free.any() or ranged.size):
+        index = _starts(kind, domain, q, armature, mbar, values, starts)
+        climbed, where, carried, calls = _climb(kind, domain, mbar, q[index], armature[index % len(armature)])
+        configurations += calls
+        top = int(np.argmax(climbed))
+        if climbed[top] > best[0]:
+            best = (float(climbed[top]), where[top], carried[top])
+        if ranged.size:
+            # A climb may end on a plateau; the end of the range next to it is no better.
+            end = np.where(best[2] - lower > upper - best[2], upper, lower)
+            at_end = evaluate(kind, domain.arm, best[1][None], mbar, end)[0]
+            if at_end >= best[0] * (1.0 - 1e-12) - 1e-15:
+                best = (float(at_end), best[1], end)
+    return Found(best[0], box.wrap(best[1]), best[2], values, configurations)
+
+
+def _starts(kind: int, domain: Domain, q: Array, armature: Array, mbar: Array, values: Array, count: int) -> IntArray:
+    """Where to climb from: half of the best samples, a quarter of a companion figure's best, a quarter unchosen."""
+    free, periodic = domain.box.free, domain.box.periodic[domain.box.free]
+    few = min(len(q), 8192)
+    other = evaluate(COMPANION[kind], domain.arm, q[:few], mbar, armature[:few])
+    return np.unique(
+        np.concatenate(
+            (
+                _apart(q[:, free], values, (count + 1) // 2, periodic),
+                _apart(q[:few, free], other, (count + 1) // 4, periodic),
+                np.arange(min((count + 1) // 4, len(q))),
+            )
+        )
+    )
+
+
+def _apart(q: Array, values: Array, count: int, periodic: BoolArray) -> IntArray:
+    """Indices of the best samples, none within 0.4 rad (by the largest joint difference) of a better one."""
+    chosen: list[int] = []
+    for index in np.argsort(-values, kind="stable")[: 200 * count]:
+        difference = np.abs(q[chosen] - q[index])
+        difference = np.where(periodic, np.minimum(difference, 2.0 * np.pi - difference), difference)
+        if not chosen or q.shape[1] == 0 or difference.max(axis=1).min() > 0.4:
+            chosen.append(int(index))
+            if len(chosen) == count:
+                break
+    return np.array(chosen, dtype=np.int64)
+
+
+def _climb(kind: int, domain: Domain, mbar: Array, q: Array, armature: Array) -> tuple[Array, Array, Array, int]:
+    """Local maxima from starts (count, nv): values, angles, armatures, evaluations."""
+    box = domain.box
+    lower = np.where(box.periodic, -np.inf, box.lower)
+    upper = np.where(box.periodic, np.inf, box.upper)
+    lower, upper = np.where(box.free, lower, box.centre), np.where(box.free, upper, box.centre)
+    width = domain.armature_upper - domain.armature_lower
+    share = np.where(armature > domain.armature_lower, 1.0, 0.0)
+    z = np.concatenate((q, share), axis=1)
+    ones = np.ones(mbar.size)
+    values = np.empty(len(z))
+    bounds = np.concatenate((lower, 0.0 * ones)), np.concatenate((upper, 1.0 * (width > 0.0)))
+    least = np.array(domain.armature_lower)
+    evaluations = kernels_climb.climb(kind, domain.chain, np.array(mbar), z, *bounds, least, width, values)
+    found = z[:, : mbar.size]
+    return values, found, domain.armature_lower + width * z[:, mbar.size :], int(evaluations)
+
+
+def search_worst(
+    arm: Arm,
+    mbar: Array,
+    condition: Condition = "lemma1",
+    box: BoxLike = None,
+    seed: int = 0,
+    *,
+    samples: int = SAMPLES,
+    starts: int = STARTS,
+    threads: int = 1,
+) -> tuple[float, Array]:
+    """Largest norm of a condition that a search finds, and where.
+
+    Args:
+        arm: The arm.
+        mbar: Diagonal of M̄, a number or nv of them, kg·m².
+        condition: ``lemma1`` (‖I − M⁻¹M̄‖₂) or ``weighted`` (max|1 − λ(M⁻¹M̄)|).
+        box: Joint box; see `BoxLike`.
+        seed: Of the samples.
+        samples: Number of samples.
+        starts: Number of local climbs.
+        threads: Worker threads.
+
+    Returns:
+        The norm and the configuration, shape (nv,), which has exactly that norm up to rounding.
+    """
+    kind = NORM[check_condition(condition)]
+    found = maximise(
+        kind, domain_of(arm, box), check_mbar(mbar, arm.nv), samples=samples, starts=starts, seed=seed, threads=threads
+    )
+    return found.value, found.q
+
+
+def scale_refuted(
+    arm: Arm,
+    mbar: Array,
+    condition: Condition = "lemma1",
+    box: BoxLike = None,
+    seed: int = 0,
+    *,
+    samples: int = SAMPLES,
+    starts: int = STARTS,
+    threads: int = 1,
+) -> tuple[float, Array]:
+    """Smallest factor f found such that f·M̄ violates the condition, and where.
+
+    Lemma 1 for f·M̄ reads N M + M N ≻ f I with N = M̄⁻¹, and the weighted condition f λ_max(M⁻¹M̄) < 2: both figures are
+    searched as they stand, without a search over f. At the returned configuration every larger factor violates too.
+
+    Args:
+        arm: The arm.
+        mbar: Diagonal of M̄, a number or nv of them, kg·m².
+        condition: ``lemma1`` or ``weighted``.
+        box: Joint box; see `BoxLike`.
+        seed: Of the samples.
+        samples: Number of samples.
+        starts: Number of local climbs.
+        threads: Worker threads.
+
+    Returns:
+        The factor (0 where no positive one satisfies Lemma 1) and the configuration, shape (nv,).
+    """
+    kind = SCALE[check_condition(condition)]
+    found = maximise(
+        kind, domain_of(arm, box), check_mbar(mbar, arm.nv), samples=samples, starts=starts, seed=seed, threads=threads
+    )
+    factor = max(-found.value, 0.0) if kind == kernels.LEMMA1_SCALE else 2.0 / found.value
+    return factor, found.q
