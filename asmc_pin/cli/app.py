@@ -15,7 +15,7 @@ from asmc_pin.errors import AsmcPinError
 
 app = typer.Typer(
     name="asmc-pin",
-    help="Is this M̄ allowed, which controller is better, and what does it look like: TDE control of a robot arm given as a URDF.",
+    help="Is this M̄ allowed, which controller is better, what does it look like: TDE control of an arm from its URDF.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

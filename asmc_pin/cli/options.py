@@ -20,31 +20,47 @@ from asmc_pin.errors import ParameterError
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
 
-ArmArgument: TypeAlias = Annotated[str, typer.Argument(metavar="ARM", help="A name (see 'asmc-pin arms') or a URDF path.")]
+ArmArgument: TypeAlias = Annotated[
+    str, typer.Argument(metavar="ARM", help="A name (see 'asmc-pin arms') or a URDF path.")
+]
 MbarOption: TypeAlias = Annotated[
-    str, typer.Option("--mbar", metavar="M1,M2,…", help="Diagonal of M̄ in kg·m², base to tip, or one value for all joints.")
+    str,
+    typer.Option("--mbar", metavar="M1,M2,…", help="Diagonal of M̄ in kg·m², base to tip, or one value for all joints."),
 ]
 ConditionOption: TypeAlias = Annotated[
     str, typer.Option("--condition", metavar="lemma1|weighted", help="lemma1: ‖I − M⁻¹M̄‖₂ < 1. weighted: M̄ ≺ 2M.")
 ]
 BoxOption: TypeAlias = Annotated[
     list[str] | None,
-    typer.Option("--box", metavar="JOINT=LO:HI", help="Range of a joint, rad or m; the rest keep the arm's own. Repeatable."),
+    typer.Option(
+        "--box", metavar="JOINT=LO:HI", help="Range of a joint, rad or m; the rest keep the arm's own. Repeatable."
+    ),
 ]
 PayloadOption: TypeAlias = Annotated[
-    str | None, typer.Option("--payload", metavar="KG|LO:HI", help="Point mass at the last moving link's frame, or a range of it.")
+    str | None,
+    typer.Option("--payload", metavar="KG|LO:HI", help="Point mass at the last moving link's frame, or a range of it."),
 ]
 ArmatureOption: TypeAlias = Annotated[
     str | None,
-    typer.Option("--armature", metavar="A1,LO:HI,…", help="Reflected rotor inertia per joint, kg·m², values or ranges; or one for all."),
+    typer.Option(
+        "--armature",
+        metavar="A1,LO:HI,…",
+        help="Reflected rotor inertia per joint, kg·m², values or ranges; or one for all.",
+    ),
 ]
 LockOption: TypeAlias = Annotated[
-    list[str] | None, typer.Option("--lock", metavar="JOINT=ANGLE", help="Lock a joint at an angle, rad or m. Repeatable.")
+    list[str] | None,
+    typer.Option("--lock", metavar="JOINT=ANGLE", help="Lock a joint at an angle, rad or m. Repeatable."),
 ]
 GravityOption: TypeAlias = Annotated[
-    str | None, typer.Option("--gravity", metavar="X,Y,Z", help="Gravity in the base frame, m/s²; 0,0,9.81 hangs it from a ceiling.")
+    str | None,
+    typer.Option(
+        "--gravity", metavar="X,Y,Z", help="Gravity in the base frame, m/s²; 0,0,9.81 hangs it from a ceiling."
+    ),
 ]
-JsonOption: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
+JsonOption: TypeAlias = Annotated[
+    bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")
+]
 
 Range: TypeAlias = tuple[float, float]
 
@@ -113,24 +129,45 @@ def parse_armature(text: str | None) -> list[float | Range] | float | Range | No
     return parts[0] if len(parts) == 1 else parts
 
 
-def open_arm(source: str, *, lock: list[str] | None = None, gravity: str | None = None, **options: Any) -> Arm:
+def open_domain(
+    source: str,
+    *,
+    payload: str | None = None,
+    armature: str | None = None,
+    lock: list[str] | None = None,
+    gravity: str | None = None,
+) -> tuple[Arm, dict[str, Any]]:
     """Load an arm as the command line describes it, its warnings on standard error.
 
     Args:
         source: ARM.
-        lock: ``joint=angle`` items.
+        payload: A mass or a range of it.
+        armature: Values or ranges.
+        lock: ``joint=angle`` items; several angles, separated by commas, are choices.
         gravity: ``x,y,z``.
-        options: Further keywords of `asmc_pin.load_arm`.
+
+    Returns:
+        The arm with all that has one value, and the ranges and choices as keywords of `verify` and its fellows.
     """
     from asmc_pin.arms import load_arm
 
-    locks = {j: number(v, "--lock") for j, v in assignments(lock, "--lock", "JOINT=ANGLE").items()}
+    single: dict[str, Any] = {}
+    ranges: dict[str, Any] = {}
+    for name, value in (("payload", parse_payload(payload)), ("armature", parse_armature(armature))):
+        if value is not None:
+            spread = isinstance(value, tuple) or (isinstance(value, list) and any(isinstance(x, tuple) for x in value))
+            (ranges if spread else single)[name] = value
+    locks = {j: numbers(v, "--lock") for j, v in assignments(lock, "--lock", "JOINT=ANGLE").items()}
+    held = {joint: angles[0] for joint, angles in locks.items() if len(angles) == 1}
+    choices = {joint: angles for joint, angles in locks.items() if len(angles) > 1}
+    if choices:
+        ranges["lock"] = choices
     if gravity is not None:
-        options["gravity"] = numbers(gravity, "--gravity")
-    arm = load_arm(source, lock=locks or None, **options)
+        single["gravity"] = numbers(gravity, "--gravity")
+    arm = load_arm(source, lock=held or None, **single)
     for warning in arm.warnings:
         note(f"warning: {warning}")
-    return arm
+    return arm, ranges
 
 
 def note(message: str) -> None:

@@ -34,24 +34,27 @@ def metric_rows() -> Rows:
     return header, [[name, metric.unit, metric.formula] for name, metric in METRICS.items()]
 
 
-def _print(title: str, table: Rows, as_json: bool) -> None:
+def _print(title: str, table: Rows, as_json: bool, leave_out: tuple[str, ...] = ()) -> None:
     header, rows = table
     if as_json:
         print_json({title: [dict(zip(header, row, strict=True)) for row in rows]})
         return
+    kept = [i for i, name in enumerate(header) if name not in leave_out]
+    header, rows = [header[i] for i in kept], [[row[i] for i in kept] for row in rows]
     from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
     view = Table(*header, title=None, box=None, pad_edge=False)
     for row in rows:
-        view.add_row(*row)
+        view.add_row(*map(Text, row))  # plain: a unit in square brackets is no markup
     Console(soft_wrap=False).print(view)
 
 
 @app.command()
 def arms(as_json: JsonOption = False) -> None:
-    """List the arms that have a name."""
-    _print("arms", arm_rows(), as_json)
+    """List the arms that have a name; --json and README.md also say where each comes from."""
+    _print("arms", arm_rows(), as_json, leave_out=("origin", "licence"))
 
 
 @app.command()

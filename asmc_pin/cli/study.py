@@ -1,0 +1,128 @@
+"""`asmc-pin compare`, `report`, `view` and `demo`: which controller is better, and what it looks like."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+import typer
+
+from asmc_pin.cli.app import app
+from asmc_pin.cli.options import JsonOption, note, print_json
+
+if TYPE_CHECKING:
+    from asmc_pin.study import Comparison
+    from asmc_pin.study.compare import Progress
+
+DirArgument: TypeAlias = Annotated[
+    str, typer.Argument(metavar="DIR", help="Folder of a result, or the name of one in results/.")
+]
+ExperimentArgument: TypeAlias = Annotated[
+    str, typer.Argument(metavar="EXPERIMENT", help="A TOML file, or the name of a shipped experiment.")
+]
+
+
+@app.command()
+def compare(
+    experiment: ExperimentArgument,
+    out: Annotated[str | None, typer.Option(metavar="DIR", help="Where to write; results/NAME when omitted.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace a result that is there already.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Run every controller of an experiment on the same plant; write trajectories, tables, figures and a report."""
+    from asmc_pin.experiment import load_experiment
+    from asmc_pin.study import compare as run
+
+    loaded = load_experiment(experiment)
+    with _progress_bar() as progress:
+        comparison = run(loaded, out=out, force=force, progress=progress)
+    if as_json:
+        print_json(comparison.to_json_dict())
+    else:
+        print_comparison(comparison)
+
+
+@app.command()
+def report(directory: DirArgument) -> None:
+    """Write report.html of a result anew."""
+    from asmc_pin.report.html import report_html
+    from asmc_pin.results import load_result
+
+    result = load_result(directory)
+    report_html(result, result.path / "report.html")
+    typer.echo(f"report: {result.path / 'report.html'}")
+
+
+@app.command()
+def view(
+    directory: DirArgument,
+    html: Annotated[
+        str | None, typer.Option(metavar="FILE", help="Write a page that opens offline, serve nothing.")
+    ] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="On 127.0.0.1; 0 takes a free one.")] = 0,
+) -> None:
+    """Replay a result in the browser, the controllers side by side. Served on 127.0.0.1 only; Ctrl-C ends it."""
+    from asmc_pin import viewer
+    from asmc_pin.results import load_result
+
+    result = load_result(directory)
+    if html is not None:
+        path = Path(html)
+        viewer.write_replay(result, path)
+        typer.echo(f"replay: {path} ({path.stat().st_size / 1e6:.1f} MB)")
+        return
+    viewer.serve(result.path, port=port)
+
+
+@app.command()
+def demo() -> None:
+    """Verify an M̄ on the UR5, compare four controllers on it, and write results/demo with a report."""
+    from asmc_pin.cli.condition import print_verdict
+    from asmc_pin.condition import verify
+    from asmc_pin.experiment import load_experiment
+    from asmc_pin.study import compare as run
+
+    experiment = load_experiment("demo")
+    arm = experiment.build_arm()
+    typer.echo("1. May this M̄ be used?")
+    print_verdict(verify(arm, experiment.defaults["mbar"]))
+    typer.echo("\n2. Which controller is better?")
+    with _progress_bar() as progress:
+        comparison = run(experiment, force=True, progress=progress)
+    print_comparison(comparison)
+
+
+def print_comparison(comparison: Comparison) -> None:
+    """Print the table that a person reads first, what to know about it, and where the rest lies."""
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(highlight=False)
+    overview = comparison.overview()
+    table = Table(*overview.header, title=overview.title, title_justify="left", box=None, pad_edge=False)
+    for column in table.columns[1:]:
+        column.justify = "right"
+    for row in overview.rows:
+        table.add_row(*(cell.replace("**", "") for cell in row))
+    console.print(table)
+    for line in comparison.notes:
+        console.print(f"note: {line}", soft_wrap=True, markup=False)
+    for line in comparison.warnings:
+        note(f"warning: {line}")
+    console.print(f"report: {comparison.out / 'report.html'}", soft_wrap=True, markup=False)
+    console.print(f"replay: asmc-pin view {comparison.out}", soft_wrap=True, markup=False)
+
+
+@contextmanager
+def _progress_bar() -> Iterator[Progress]:
+    """A bar on standard error, where it never mixes with a result; silent where nobody watches."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description:<12}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("", total=1.0)
+        yield lambda what, share: bar.update(task, description=what, completed=share)
