@@ -28,6 +28,7 @@ from asmc_pin.controllers import (
     controllers_table,
     describe_laws,
     parameters_of,
+    signed,
     sliding_variable,
 )
 from asmc_pin.errors import ParameterError
@@ -75,6 +76,11 @@ def torques(law: object) -> list[list[float]]:
 def test_sliding_variable_is_rate_error_plus_ks_error() -> None:
     assert sliding_variable(np.array([2.0, 4.0]), SAMPLES[0], SETPOINTS[0]).tolist() == [[1.0, 3.0]]
     assert sliding_variable(2.0, SAMPLES[1], SETPOINTS[1]).tolist() == [[-0.5, 1.0]]
+
+
+def test_sgn_of_zero_is_plus_one_whatever_its_sign() -> None:
+    s = rows(-2.0, -5e-324, -0.0, 0.0, 5e-324, 3.0)
+    assert signed(np.array(4.0), s).tolist() == [[-4.0, -4.0, 4.0, 4.0, 4.0, 4.0]]
 
 
 def test_ppc_with_velocity_difference() -> None:

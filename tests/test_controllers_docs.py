@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import re
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -22,15 +21,12 @@ def blocks(language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", text, re.DOTALL)
 
 
-def test_your_own_law_in_30_lines_runs_from_an_experiment_and_follows_better_than_ppc(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_your_own_law_in_30_lines_runs_from_an_experiment_and_follows_better_than_ppc(tmp_path: Path) -> None:
     (law,), (toml,) = blocks("python"), blocks("toml")
     assert len(law.splitlines()) <= 30
     (tmp_path / "my_law.py").write_text(law, encoding="utf-8")
     path = tmp_path / "own_law.toml"
     path.write_text(toml, encoding="utf-8")
-    monkeypatch.delitem(sys.modules, "my_law", raising=False)
 
     experiment = asmc_pin.load_experiment(path)
     arm, reference, controllers = experiment.build_arm(), experiment.build_reference(), experiment.build_controllers()
