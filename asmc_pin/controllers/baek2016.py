@@ -64,8 +64,8 @@ class Baek2016(TdeLaw):
         size = np.abs(s)
         outside = np.maximum.reduce(size, axis=-1, keepdims=True) >= self.epsilon
         grown = gain + self._growth * size
-        # Divided only where something of k̂ remains. There the quotient is at most k̂, rounded too: |s| → 0 cannot overflow,
-        # and the difference is never negative.
+        # Divided only where something of k̂ remains. There the quotient is at most k̂, rounded too: |s| → 0 cannot
+        # overflow, and the difference is never negative.
         drop = np.divide(self._drop, size, out=gain.copy(), where=gain * size > self._drop)
         return np.where(outside | (gain <= self.threshold), grown, gain - drop)
 
