@@ -21,10 +21,19 @@ import websocket
 from PIL import Image
 
 _FLAGS = (
-    "--headless --no-sandbox --disable-quic --no-first-run --disable-background-networking --disable-component-update "
-    "--disable-sync --use-angle=swiftshader --enable-unsafe-swiftshader --hide-scrollbars --remote-debugging-port=0 "
-    "--remote-allow-origins=*"
-).split()
+    "--headless",
+    "--no-sandbox",
+    "--no-first-run",
+    "--disable-quic",
+    "--disable-sync",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--hide-scrollbars",
+    "--remote-debugging-port=0",
+    "--remote-allow-origins=*",
+)
 
 
 def chromium() -> str:
@@ -63,7 +72,9 @@ class Page:
             details = parameters["exceptionDetails"]
             self.messages.append(details.get("exception", {}).get("description", details["text"]))
         elif method == "Runtime.consoleAPICalled":
-            said = " ".join(str(argument.get("value", argument.get("description", ""))) for argument in parameters["args"])
+            said = " ".join(
+                str(argument.get("value", argument.get("description", ""))) for argument in parameters["args"]
+            )
             self.messages.append(f"{parameters['type']}: {said}")
         elif method == "Log.entryAdded":
             self.messages.append(f"{parameters['entry']['level']}: {parameters['entry']['text']}")
@@ -146,7 +157,9 @@ class Browser:
     def __enter__(self) -> Browser:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self._process.terminate()
         self._process.wait(timeout=20)
         self._drain.wait(timeout=20)

@@ -1,1 +1,26 @@
-"""viewer."""
+"""Motion in the browser: Meshcat scenes in one page that opens offline, or is served to this machine alone."""
+
+from asmc_pin.viewer.bodies import DrawnArm, draw
+from asmc_pin.viewer.colours import controller_colors
+from asmc_pin.viewer.motion import Motion, describe
+from asmc_pin.viewer.page import player_scripts, replay_element, replay_page, static
+from asmc_pin.viewer.replay import replay_fragment, replay_html, write_page, write_replay
+from asmc_pin.viewer.server import make_server, serve
+
+__all__ = [
+    "DrawnArm",
+    "Motion",
+    "controller_colors",
+    "describe",
+    "draw",
+    "make_server",
+    "player_scripts",
+    "replay_element",
+    "replay_fragment",
+    "replay_html",
+    "replay_page",
+    "serve",
+    "static",
+    "write_page",
+    "write_replay",
+]

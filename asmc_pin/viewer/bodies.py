@@ -164,6 +164,8 @@ def _upright(gravity: Array) -> Array:
     strength = np.linalg.norm(gravity)
     if strength > 0 and (down := gravity / strength)[2] > -1 + 1e-12:
         # Upside down, any horizontal axis would do; the x axis is taken, so that the result is defined.
-        turn = Rotation.from_euler("x", np.pi) if down[2] > 1 - 1e-12 else Rotation.align_vectors([[0, 0, -1]], [down])[0]
+        turn = (
+            Rotation.from_euler("x", np.pi) if down[2] > 1 - 1e-12 else Rotation.align_vectors([[0, 0, -1]], [down])[0]
+        )
         upright[:3, :3] = turn.as_matrix()
     return upright

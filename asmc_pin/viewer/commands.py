@@ -1,6 +1,6 @@
 """Meshcat commands for one arm, made with Meshcat's own Python classes but without its server.
 
-Meshcat numbers what it draws at random; here the numbers follow from the path, so that the same scene gives the same bytes.
+Meshcat numbers what it draws at random; here the numbers follow from the path: the same scene gives the same bytes.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ _STEPS = 32767
 def mesh_command(path: str, mesh: Shaded) -> str:
     """The command that puts a mesh at a path of the scene, packed for Meshcat and encoded in base64.
 
-    Positions are rounded to 1/32767 of the mesh's reach, normals and colours to one byte: a fifth of Meshcat's own size.
+    Positions are rounded to 1/32767 of the mesh's reach, normals and colours to one byte: a fraction of
+    Meshcat's own size.
 
     Args:
         path: Path below the arm, with slashes.
@@ -47,7 +48,7 @@ def mesh_command(path: str, mesh: Shaded) -> str:
 
 
 class _Packed:
-    """A geometry in small integers, as Meshcat's classes see one: it has a number, a transform of its own, and lowers itself."""
+    """A geometry in small integers, as Meshcat's classes see one: a number, a transform of its own, and its data."""
 
     def __init__(self, mesh: Shaded, step: float) -> None:
         self.uuid = ""

@@ -81,7 +81,9 @@ def describe(
             "upright": _rounded(arm.upright.T),
             "tip": {"body": arm.tip[0], "point": _rounded(arm.tip[1])},
         },
-        "commands": [mesh_command(f"body{k}", body.mesh) if len(body.mesh.faces) else None for k, body in enumerate(arm.bodies)],
+        "commands": [
+            mesh_command(f"body{k}", body.mesh) if len(body.mesh.faces) else None for k, body in enumerate(arm.bodies)
+        ],
         "joints": [
             {"name": name, "prismatic": body.prismatic} for name, body in zip(joint_names, arm.bodies[1:], strict=True)
         ],

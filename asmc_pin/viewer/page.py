@@ -10,7 +10,10 @@ from importlib.resources import files
 from string import Template
 from typing import Any
 
-POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'"
+POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
+    "base-uri 'none'; form-action 'none'"
+)
 """Content security policy of every page made here: a browser fetches nothing, whatever a result's labels say."""
 
 
@@ -38,7 +41,7 @@ def replay_element(description: Mapping[str, Any], notes: tuple[str, ...] = (), 
     Args:
         description: What `motion.describe` returned.
         notes: Lines to stand above the picture, as plain text.
-        embedded: It stands in a longer page: it waits for the user, and takes keys and the wheel only while it has the focus.
+        embedded: It stands in a longer page: it waits for the user, and takes keys and the wheel only with the focus.
     """
     lines = "".join(f'<p class="replay-notes">{escape(note)}</p>\n' for note in notes)
     return (
@@ -68,7 +71,7 @@ def static(name: str) -> str:
 
 
 def _inert(script: str) -> str:
-    """A script that cannot end its element early: within a string or a pattern, \\/ means the same as /."""
+    """A script that cannot end its element early; in strings and patterns the added backslash changes nothing."""
     return script.replace("</script", "<\\/script").replace("<!--", "<\\!--")
 
 

@@ -64,9 +64,9 @@ def simplify(surfaces: Sequence[Surface], budget: int, finest: float = 2e-4) -> 
         else:
             fine = middle
     return [
-        _shade(surface, *parts) if len(surface.faces) else Shaded(
-            surface.vertices, np.empty((0, 3), dtype=np.int8), surface.colours, surface.faces
-        )
+        _shade(surface, *parts)
+        if len(surface.faces)
+        else Shaded(surface.vertices, np.empty((0, 3), dtype=np.int8), surface.colours, surface.faces)
         for surface, parts in zip(surfaces, clustered, strict=True)
     ]
 
@@ -80,10 +80,10 @@ def _count(clustered: Sequence[Clustered]) -> int:
 
 
 def _cluster(surface: Surface, cell: float) -> Clustered:
-    """Clusters the corners of the triangles; those of different colours stay apart, so that borders of colours stay clean.
+    """Clusters the corners of the triangles; those of different colours stay apart, which keeps colours' borders clean.
 
     Returns:
-        Centres of the clusters, the cluster of each triangle's corners, and the triangles whose corners lie in three of them.
+        Centres of the clusters, the cluster of each triangle's corners, and the triangles that span three clusters.
     """
     corners = surface.faces.ravel()
     if not len(corners):

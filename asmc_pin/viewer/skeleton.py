@@ -18,7 +18,7 @@ def skeleton(frames: Sequence[tuple[int, Array, Array, bool]], tip: Array) -> di
     """A stick figure of every body.
 
     Args:
-        frames: Parent, placement in the parent (4, 4), axis (3,) and kind (prismatic or not) of every body, the base first.
+        frames: Parent, placement in it (4, 4), axis (3,), and whether it slides, of every body, the base first.
         tip: The arm's tip in the last body's frame, m.
 
     Returns:

@@ -25,8 +25,8 @@ class Stage:
         outline: Points of the sweep that lie furthest out, shape (n, 3): what the camera must see.
         centre: Middle of the base on the ground, shape (2,).
         radius: Of a circle that holds the base.
-        pedestal: Height of the base's underside, where a pedestal should carry it; None where it stands on the ground, or
-            where the arm moves under it.
+        pedestal: Height of the base's underside, where a pedestal should carry it; None where it stands on the
+            ground, or where the arm moves under it.
     """
 
     low: Array
@@ -72,4 +72,4 @@ def stage(arm: DrawnArm, motions: Sequence[Array]) -> Stage:
 
 
 def _furthest(points: Array) -> Array:
-    return points[np.unique(np.argmax(points @ _DIRECTIONS.T, axis=0))]
+    return np.asarray(points[np.unique(np.argmax(points @ _DIRECTIONS.T, axis=0))])

@@ -58,7 +58,7 @@ def read_visuals(
 ) -> tuple[dict[str, list[Surface]], dict[str, list[str]]]:
     """Triangles of every link that shows something.
 
-    A mesh file's own colours count before the URDF's material, as in RViz: the files that carry colours are coloured finer.
+    A mesh file's own colours count before the URDF's material: files that carry colours are coloured finer.
 
     Args:
         urdf_text: The URDF.
@@ -69,7 +69,9 @@ def read_visuals(
         Surfaces by link name, in the link's frame; and the mesh files that could not be found or read, by link name.
     """
     # Entities stay unexpanded and nothing is fetched: a URDF may come from anywhere.
-    root = etree.fromstring(urdf_text.encode(), etree.XMLParser(encoding="utf-8", resolve_entities=False, no_network=True))
+    root = etree.fromstring(
+        urdf_text.encode(), etree.XMLParser(encoding="utf-8", resolve_entities=False, no_network=True)
+    )
     materials = {m.get("name", ""): c for m in root.findall("material") if (c := _colour(m)) is not None}
     shown: dict[str, list[Surface]] = {}
     missing: dict[str, list[str]] = {}
@@ -180,7 +182,7 @@ def _own_colours(mesh: Any) -> Colours | None:
         if getattr(material, "image", None) is None and getattr(material, "baseColorTexture", None) is None:
             return np.tile(np.asarray(material.main_color, dtype=np.uint8)[:3], (len(mesh.faces), 1))
         corner = np.asarray(visual.to_color().vertex_colors)[np.asarray(mesh.faces), :3]
-        return corner.mean(axis=1).astype(np.uint8)
+        return np.asarray(corner.mean(axis=1), dtype=np.uint8)
     return np.asarray(visual.face_colors, dtype=np.uint8)[:, :3]
 
 
