@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+import re
 import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 from arm_urdf import LIMIT, inertial, joint, link, robot, two_joints, write
 
+import asmc_pin.arms
 from asmc_pin.arms import ARMS, Arm, arm_names, arms_table, load_arm
 from asmc_pin.errors import ArmError, ParameterError
 
@@ -221,6 +223,14 @@ def test_meshes_of_a_named_arm_can_be_found() -> None:
     arm = load_arm("ur5")
     mesh = arm.urdf_text.split("package://")[1].split('"')[0]
     assert any((folder / mesh).is_file() for folder in arm.package_dirs)
+
+
+def test_code_in_the_docs_runs() -> None:
+    page = (Path(__file__).parents[1] / "docs" / "arms.md").read_text(encoding="utf-8")
+    names = {"asmc_pin": asmc_pin.arms, "load_arm": load_arm, "q": np.zeros((4, 6))}
+    for block in re.findall(r"```python\n(.*?)```", page, re.DOTALL):
+        exec(block, names)
+    assert names["M"].shape == (4, 6, 6)
 
 
 def test_name_of_an_arm_wins_over_a_file_and_a_path_does_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
