@@ -20,17 +20,19 @@ from asmc_pin.errors import NotPositiveDefinite, ParameterError
 
 @dataclass(frozen=True)
 class ClosedLoop:
-    """The map z_{k+1} = F z_k + E h_k of the frozen loop around a fixed set-point.
+    """The map z_{k+1} = F z_k + E h_k + B w_k of the frozen loop around a set-point.
 
     Attributes:
         matrix: F, shape (..., N, N).
         load: E, shape (..., N, nv): response to a load torque h (N·m, resisting: M q̈ = τ − h) held over one period.
+        command: B, shape (..., N, nv): response to an addition w (rad/s²) to the commanded acceleration M̄⁻¹τ_k.
         blocks: Where each part of z lies. "q" and "v" are the deviation from the set-point (−e, −ė); "tde" is the term
             M̄⁻¹τ(t−L) − q̈(t−L) that the controller adds; the rest is memory of the estimate, the filter and the delay.
     """
 
     matrix: Array
     load: Array
+    command: Array
     blocks: dict[str, slice]
 
     def spectral_radius(self) -> Array:
@@ -71,18 +73,18 @@ def closed_loop(
     batch = np.shape(mass)[:-2]
 
     def signal(columns: slice) -> Array:
-        rows = np.zeros((n, size + n))
+        rows = np.zeros((n, size + 2 * n))
         rows[:, columns] = np.eye(n)
-        return np.broadcast_to(rows, (*batch, n, size + n))
+        return np.broadcast_to(rows, (*batch, n, size + 2 * n))
 
     now = {name: signal(where) for name, where in blocks.items()}
-    load = signal(slice(size, size + n))
+    load, extra = signal(slice(size, size + n)), signal(slice(size + n, size + 2 * n))
     step = transition(
         mass, loop.mbar, loop.period, fraction=fraction, viscous=viscous, stiffness=stiffness, substeps=substeps
     )
 
     # The controller, (7) with q_d = 0: e = −q, ė = −v.
-    command = now["tde"] - loop.kd[:, None] * now["v"] - loop.kp[:, None] * now["q"]
+    command = now["tde"] - loop.kd[:, None] * now["v"] - loop.kp[:, None] * now["q"] + extra
     commands = [command] + [now[name] for name in names if name.startswith("command-")]
     recent = commands[whole]
     older = commands[whole + 1] if fraction else recent
@@ -102,7 +104,7 @@ def closed_loop(
     for name, value in zip((name for name in names if name.startswith("command-")), commands, strict=False):
         nxt[name] = value
     rows = np.concatenate([nxt[name] for name in names], axis=-2)
-    return ClosedLoop(rows[..., :size], rows[..., size:], blocks)
+    return ClosedLoop(rows[..., :size], rows[..., size : size + n], rows[..., size + n :], blocks)
 
 
 def _advance(step: Transition, now: dict[str, Array], recent: Array, older: Array, load: Array) -> dict[str, Array]:

@@ -108,7 +108,7 @@ class StabilityReport:
     def lines(self) -> list[str]:
         """The report in plain words, a line per finding."""
         text = [
-            f"{self.arm}: the sampled loop is {self.verdict.upper()} ({self.configurations} frozen configurations searched)",
+            f"{self.arm}: the sampled loop is {self.verdict.upper()} ({self.configurations} configurations searched)",
             f"spectral radius {self.spectral_radius:.6f}, worst at q = {_angles(self.worst_q)} rad",
             f"slowest decay there {self.decay_rate:.3g} 1/s; eigenvalues of M⁻¹M̄ over the workspace "
             f"{self.ratios[0]:.4g} to {self.ratios[1]:.4g}",
@@ -219,11 +219,9 @@ def _limit_lines(loop: SampledLoop, limits: Limits) -> list[str]:
         else f"margins: torque gain {low:.3g} to {high:.3g}, extra delay {limits.delay_margin:.3g} periods "
         f"({1e3 * limits.delay_margin * loop.period:.3g} ms)"
     )
+    alone = f", β alone to {beta:.4g}, K_s alone by {_times(limits.ks_scale)}" if isinstance(beta, float) else ""
     return [
-        f"by inertia alone, at L = {loop.period:g} s: β and K_s may be raised together by {_times(limits.gain_scale)}, β alone to "
-        f"{beta:.4g}, K_s alone by {_times(limits.ks_scale)}"
-        if isinstance(beta, float)
-        else f"by inertia alone, at L = {loop.period:g} s: β and K_s may be raised together by {_times(limits.gain_scale)}",
+        f"by inertia alone: at L = {loop.period:g} s, β and K_s may grow by {_times(limits.gain_scale)}{alone}",
         f"by inertia alone, with these gains: L may be up to {limits.period:.4g} s",
         margins,
     ]
