@@ -34,7 +34,7 @@ RELEASE_TOLERANCE = 1e-13
 FACES_PER_JOINT = 20
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def _solve_face(matrix: Array, rhs: Array, face: IntArray, count: int, factor: Array, solution: Array) -> None:
     """Solve matrix[F, F] x[F] = rhs[F] by Cholesky, F the first `count` entries of `face`; leave the rest of x."""
     for i in range(count):
@@ -56,7 +56,7 @@ def _solve_face(matrix: Array, rhs: Array, face: IntArray, count: int, factor: A
         solution[face[i]] = total / factor[i, i]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def _load(i: int, matrix: Array, damping: Array, free: Array, correction: Array) -> tuple[float, float]:
     """Friction impulse h·fᵢ that balances sticking joint i, and the sum of the magnitudes of its terms."""
     load = -damping[i] * free[i]
@@ -66,6 +66,99 @@ def _load(i: int, matrix: Array, damping: Array, free: Array, correction: Array)
         load -= term
         magnitude += abs(term)
     return load, magnitude
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _set_up_face(
+    matrix: Array,
+    damping: Array,
+    forward: Array,
+    backward: Array,
+    free: Array,
+    kink: BoolArray,
+    sign: IntArray,
+    face: IntArray,
+    rhs: Array,
+    correction: Array,
+) -> int:
+    """Write which joints move on the face `sign`, the right-hand side of their d, and d of the others.
+
+    Returns:
+        How many joints move.
+    """
+    count = 0
+    for i in range(free.size):
+        if kink[i] and sign[i] == 0:
+            correction[i] = -free[i]
+        else:
+            face[count] = i
+            count += 1
+    for k in range(count):
+        i = face[k]
+        total = -damping[i] * free[i]
+        if sign[i] != 0:
+            total -= forward[i] if sign[i] > 0 else -backward[i]
+        for j in range(free.size):
+            if kink[j] and sign[j] == 0:
+                total += matrix[i, j] * free[j]
+        rhs[i] = total
+    return count
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _go(face: IntArray, count: int, free: Array, correction: Array, sign: IntArray, present: Array) -> int:
+    """Move `present` towards the face's minimiser, no further than where the first joint would turn round: it sticks.
+
+    Returns:
+        That joint; −1 if the minimiser was reached, −2 if it is not finite.
+    """
+    fraction = 1.0
+    blocker = -1
+    for k in range(count):
+        i = face[k]
+        target = free[i] + correction[i]
+        if not np.isfinite(target):
+            return -2
+        if sign[i] != 0 and target * sign[i] <= 0.0:
+            reach = 0.0 if present[i] == 0.0 else present[i] / (present[i] - target)
+            if blocker < 0 or reach < fraction:
+                fraction = reach
+                blocker = i
+    for k in range(count):
+        i = face[k]
+        present[i] += fraction * (free[i] + correction[i] - present[i])
+    if blocker >= 0:
+        present[blocker] = 0.0
+        sign[blocker] = 0
+    return blocker
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _let_go(
+    matrix: Array,
+    damping: Array,
+    forward: Array,
+    backward: Array,
+    free: Array,
+    kink: BoolArray,
+    correction: Array,
+    sign: IntArray,
+) -> bool:
+    """Let the sticking joint that is overloaded by most slide, and say whether there is one."""
+    worst = 0.0
+    release = -1
+    toward = 0
+    for i in range(free.size):
+        if kink[i] and sign[i] == 0:
+            load, magnitude = _load(i, matrix, damping, free, correction)
+            excess = load - forward[i] if load > 0.0 else -load - backward[i]
+            if excess > worst and excess > RELEASE_TOLERANCE * magnitude:
+                worst = excess
+                release = i
+                toward = 1 if load > 0.0 else -1
+    if release >= 0:
+        sign[release] = toward
+    return release >= 0
 
 
 @njit(cache=True, nogil=True)
@@ -79,7 +172,7 @@ def _walk(
     sign: IntArray,
     correction: Array,
 ) -> bool:
-    """Walk to the optimal face from `present` on the face `sign`; leaves the solution in `sign` and `correction`.
+    """Walk to the optimal face from that of `present`; leave the solution in `sign` and `correction`.
 
     `damping`, `forward` and `backward` are h·B and h·c of motion forwards and backwards. A joint without Coulomb
     friction has sign 0 too, but no kink to stick in.
@@ -93,62 +186,13 @@ def _walk(
         kink[i] = forward[i] > 0.0 or backward[i] > 0.0
         sign[i] = int(np.sign(present[i])) if kink[i] else 0
     for _ in range(FACES_PER_JOINT * nv + 1):
-        count = 0
-        for i in range(nv):
-            if kink[i] and sign[i] == 0:
-                correction[i] = -free[i]
-            else:
-                face[count] = i
-                count += 1
-        for k in range(count):
-            i = face[k]
-            total = -damping[i] * free[i]
-            if sign[i] != 0:
-                total -= forward[i] if sign[i] > 0 else -backward[i]
-            for j in range(nv):
-                if kink[j] and sign[j] == 0:
-                    total += matrix[i, j] * free[j]
-            rhs[i] = total
+        count = _set_up_face(matrix, damping, forward, backward, free, kink, sign, face, rhs, correction)
         _solve_face(matrix, rhs, face, count, factor, correction)
-
-        # Towards the face's minimiser, no further than where the first joint would turn round: there it sticks.
-        fraction = 1.0
-        blocker = -1
-        for k in range(count):
-            i = face[k]
-            target = free[i] + correction[i]
-            if not np.isfinite(target):
-                return False
-            if sign[i] != 0 and target * sign[i] <= 0.0:
-                reach = 0.0 if present[i] == 0.0 else present[i] / (present[i] - target)
-                if blocker < 0 or reach < fraction:
-                    fraction = reach
-                    blocker = i
-        for k in range(count):
-            i = face[k]
-            present[i] += fraction * (free[i] + correction[i] - present[i])
-        if blocker >= 0:
-            present[blocker] = 0.0
-            sign[blocker] = 0
-            continue
-
-        # At the face's minimiser: let go of the sticking joint that is overloaded by most; if none is, this is the
-        # solution.
-        worst = 0.0
-        release = -1
-        for i in range(nv):
-            if kink[i] and sign[i] == 0:
-                load, magnitude = _load(i, matrix, damping, free, correction)
-                excess = load - forward[i] if load > 0.0 else -load - backward[i]
-                if excess > worst and excess > RELEASE_TOLERANCE * magnitude:
-                    worst = excess
-                    release = i if load > 0.0 else -i - 2
-        if release == -1:
+        blocker = _go(face, count, free, correction, sign, present)
+        if blocker == -2:
+            return False
+        if blocker == -1 and not _let_go(matrix, damping, forward, backward, free, kink, correction, sign):
             return True
-        if release >= 0:
-            sign[release] = 1
-        else:
-            sign[-release - 2] = -1
     return False
 
 

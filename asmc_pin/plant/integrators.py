@@ -25,8 +25,7 @@ class Mechanics(Protocol):
 
 
 Integrator = Callable[[Mechanics, Array, Array, Array, float, Array], tuple[Array, Array]]
-"""(mechanics, q, v, torque held over the step, step, impulse of friction to add to) -> q and v at the end of the
-step."""
+"""(mechanics, q, v, torque held over the step, step, impulse of friction to add to) -> q and v after the step."""
 
 
 def semi_implicit(
@@ -38,10 +37,9 @@ def semi_implicit(
 
     One evaluation of the dynamics per step, as the plain semi-implicit Euler scheme q⁺ = q + h v⁺ needs, but exact for
     constant inertia under constant torque, where q⁺ = q + h (v + v⁺)/2. Without velocity-dependent forces it is the
-    Störmer–Verlet
-    scheme: of second order, symplectic, so that energy does not drift. Coriolis forces are taken at v, before the step,
-        and friction at v⁺:
-    both make it first order. A joint at rest that sticks keeps its q to the last bit, since v = v⁺ = 0.
+    Störmer–Verlet scheme: of second order, symplectic, so that energy does not drift. Coriolis forces are taken at v,
+    before the step, and friction at v⁺: both make it first order. A joint at rest that sticks keeps its q to the last
+    bit, since v = v⁺ = 0.
 
     Source: J. J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics", in Nonsmooth Mechanics and
     Applications, CISM Courses and Lectures 302, Springer (1988).

@@ -44,7 +44,7 @@ class JointMechanics:
         """Velocity after the step, rad/s, exactly 0.0 where a joint sticks; adds to friction's `impulse`, N·m·s."""
         if self.frictionless:
             return v + step * acceleration
-        next_v = np.empty_like(v)
+        next_v = v.copy()  # what stopped trials keep
         slide_or_stick(
             self.free.mass_matrix(q),
             v,

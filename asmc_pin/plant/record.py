@@ -50,8 +50,7 @@ class Rollout:
         v_ref: Its velocity, shape (T, nv), rad/s.
         a_ref: Its acceleration, shape (T, nv), rad/s².
         status: Per trial, ``"ok"`` or ``"diverged"``.
-        end_time: Per trial, the last tick's time, or the time at which it was found to have diverged, shape (batch,),
-            s.
+        end_time: Time of the last tick, or that at which the trial was found to have diverged, shape (batch,), s.
         joint_names: Names along the last axis.
         period: Control period, s.
         limit_violations: Joints that left their position limits.
