@@ -25,14 +25,18 @@ if TYPE_CHECKING:
 NORM = {"lemma1": kernels.LEMMA1, "weighted": kernels.WEIGHTED}
 SCALE = {"lemma1": kernels.LEMMA1_SCALE, "weighted": kernels.WEIGHTED_SCALE}
 
-COMPANION = {
-    kernels.LEMMA1: kernels.LEMMA1_SCALE,
-    kernels.WEIGHTED: kernels.WEIGHTED_SCALE,
-    kernels.LEMMA1_SCALE: kernels.LEMMA1,
-    kernels.WEIGHTED_SCALE: kernels.WEIGHTED,
-    kernels.BANDWIDTH: kernels.WEIGHTED,
+GUIDES = {
+    kernels.LEMMA1: (kernels.LEMMA1_SCALE, kernels.WEIGHTED_SCALE, kernels.BANDWIDTH),
+    kernels.WEIGHTED: (kernels.WEIGHTED_SCALE, kernels.BANDWIDTH),
+    kernels.LEMMA1_SCALE: (kernels.LEMMA1, kernels.WEIGHTED_SCALE),
+    kernels.WEIGHTED_SCALE: (kernels.LEMMA1,),
+    kernels.BANDWIDTH: (kernels.LEMMA1,),
 }
-"""A figure whose good starts are other ones: a broad basin of the norm hides a narrow, higher one from the samples."""
+"""Figures that are climbed first, and then the one that is asked for from where they end.
+
+A norm is the larger of a branch where M̄ is too small and one where it is too large. The first is often broad and flat
+and hides the second, narrow and higher, from the samples and from every climb that starts at the best of them.
+"""
 
 SAMPLES = 2**15
 STARTS = 64
@@ -71,6 +75,9 @@ class Found:
         armature: With which armature, shape (nv,), kg·m².
         samples: The figure at the samples, shape (samples,).
         configurations: How many configurations were evaluated, gradients included.
+        maxima: The figure at the end of every climb, shape (climbs,).
+        maxima_q: Where, shape (climbs, nv).
+        maxima_armature: With which armature, shape (climbs, nv).
     """
 
     value: float
@@ -78,6 +85,9 @@ class Found:
     armature: Array
     samples: Array
     configurations: int
+    maxima: Array
+    maxima_q: Array
+    maxima_armature: Array
 
 
 def domain_of(arm: Arm, box: BoxLike = None) -> Domain:
@@ -159,12 +169,13 @@ def maximise(
     starts: int = STARTS,
     seed: int = 0,
     threads: int = 1,
+    also: tuple[Array, Array] | None = None,
 ) -> Found:
     """Largest value of a figure over a domain, as far as a search can tell.
 
     Samples the box, each with the armature at a random end of its range (the conditions are convex in the armature, so
     an end is worst), then climbs, angles and armature together, from the best samples that are apart from each other,
-    from the best of a companion figure, and from some that were not chosen at all.
+    from where climbs of other figures end (see `GUIDES`), and from some that were not chosen at all.
 
     Args:
         kind: `kernels.LEMMA1` and its fellows; all are figures of which more is worse.
@@ -174,6 +185,7 @@ def maximise(
         starts: Number of local climbs.
         seed: Of the samples.
         threads: Worker threads of the sampling.
+        also: Further starts: configurations (count, nv) and their armatures (count, nv).
 
     Returns:
         What was found.
@@ -193,10 +205,14 @@ def maximise(
     configurations = samples
     first = int(np.argmax(values))
     best = (float(values[first]), q[first], armature[first % len(armature)])
+    climbed, where, carried = values[first : first + 1], q[first : first + 1], best[2][None]
     if starts > 0 and (box.free.any() or ranged.size):
-        index = _starts(kind, domain, q, armature, mbar, values, starts)
-        climbed, where, carried, calls = _climb(kind, domain, mbar, q[index], armature[index % len(armature)])
-        configurations += calls
+        begin, begin_armature, calls = _starts(kind, domain, q, armature, mbar, values, starts)
+        if also is not None:
+            begin = np.concatenate((begin, also[0]))
+            begin_armature = np.concatenate((begin_armature, also[1]))
+        climbed, where, carried, more = _climb(kind, domain, mbar, begin, begin_armature)
+        configurations += calls + more
         top = int(np.argmax(climbed))
         if climbed[top] > best[0]:
             best = (float(climbed[top]), where[top], carried[top])
@@ -206,23 +222,26 @@ def maximise(
             at_end = evaluate(kind, domain.arm, best[1][None], mbar, end)[0]
             if at_end >= best[0] * (1.0 - 1e-12) - 1e-15:
                 best = (float(at_end), best[1], end)
-    return Found(best[0], box.wrap(best[1]), best[2], values, configurations)
+    return Found(best[0], box.wrap(best[1]), best[2], values, configurations, climbed, box.wrap(where), carried)
 
 
-def _starts(kind: int, domain: Domain, q: Array, armature: Array, mbar: Array, values: Array, count: int) -> IntArray:
-    """Where to climb from: half of the best samples, a quarter of a companion figure's best, a quarter unchosen."""
+def _starts(
+    kind: int, domain: Domain, q: Array, armature: Array, mbar: Array, values: Array, count: int
+) -> tuple[Array, Array, int]:
+    """Where to climb from: half of the best samples, a quarter unchosen, and where climbs of the guides end."""
     free, periodic = domain.box.free, domain.box.periodic[domain.box.free]
+    chosen = _apart(q[:, free], values, (count + 1) // 2, periodic)
+    index = np.concatenate((chosen, np.arange(min((count + 1) // 4, len(q)))))
+    starts, carried, evaluations = [q[index]], [armature[index % len(armature)]], 0
     few = min(len(q), 8192)
-    other = evaluate(COMPANION[kind], domain.arm, q[:few], mbar, armature[:few])
-    return np.unique(
-        np.concatenate(
-            (
-                _apart(q[:, free], values, (count + 1) // 2, periodic),
-                _apart(q[:few, free], other, (count + 1) // 4, periodic),
-                np.arange(min((count + 1) // 4, len(q))),
-            )
-        )
-    )
+    for guide in GUIDES[kind]:
+        other = evaluate(guide, domain.arm, q[:few], mbar, armature[:few])
+        index = _apart(q[:few, free], other, (count + 3) // 4, periodic)
+        _, where, with_armature, calls = _climb(guide, domain, mbar, q[index], armature[index % len(armature)])
+        starts.append(where)
+        carried.append(with_armature)
+        evaluations += few + calls
+    return np.concatenate(starts), np.concatenate(carried), evaluations
 
 
 def _apart(q: Array, values: Array, count: int, periodic: BoolArray) -> IntArray:
@@ -245,11 +264,10 @@ def _climb(kind: int, domain: Domain, mbar: Array, q: Array, armature: Array) ->
     upper = np.where(box.periodic, np.inf, box.upper)
     lower, upper = np.where(box.free, lower, box.centre), np.where(box.free, upper, box.centre)
     width = domain.armature_upper - domain.armature_lower
-    share = np.where(armature > domain.armature_lower, 1.0, 0.0)
+    share = (armature - domain.armature_lower) / np.where(width > 0.0, width, 1.0)
     z = np.concatenate((q, share), axis=1)
-    ones = np.ones(mbar.size)
     values = np.empty(len(z))
-    bounds = np.concatenate((lower, 0.0 * ones)), np.concatenate((upper, 1.0 * (width > 0.0)))
+    bounds = np.concatenate((lower, 0.0 * width)), np.concatenate((upper, 1.0 * (width > 0.0)))
     least = np.array(domain.armature_lower)
     evaluations = kernels_climb.climb(kind, domain.chain, np.array(mbar), z, *bounds, least, width, values)
     found = z[:, : mbar.size]
