@@ -17,7 +17,8 @@ def installed(tmp_path_factory):
     """Path of `asmc-pin` in a fresh environment that sees the installed dependencies, but not the checkout."""
     work = tmp_path_factory.mktemp("wheel")
     pip = [sys.executable, "-m", "pip", "--disable-pip-version-check"]
-    build = [*pip, "wheel", "--quiet", "--no-index", "--no-build-isolation", "--no-deps", "--wheel-dir", str(work), str(ROOT)]
+    offline = ["--quiet", "--no-index", "--no-build-isolation", "--no-deps"]
+    build = [*pip, "wheel", *offline, "--wheel-dir", str(work), str(ROOT)]
     subprocess.run(build, check=True, timeout=300)
     (wheel,) = work.glob("asmc_pin-*.whl")
     venv.create(work / "env", with_pip=False)

@@ -18,9 +18,9 @@ from asmc_pin.cli.options import (
     LockOption,
     MbarOption,
     PayloadOption,
-    numbers,
     open_domain,
     parse_box,
+    per_joint,
     print_json,
 )
 
@@ -59,7 +59,7 @@ def verify(
         from asmc_pin.experiment import load_experiment
 
         options["along"] = load_experiment(along)
-    report = run(loaded, numbers(mbar, "--mbar"), **options)
+    report = run(loaded, per_joint(mbar, "--mbar"), **options)
     if as_json:
         print_json(report.to_json_dict())
     else:

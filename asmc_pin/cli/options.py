@@ -81,6 +81,12 @@ def numbers(text: str, option: str) -> list[float]:
     return [number(part.strip(), option) for part in text.split(",")]
 
 
+def per_joint(text: str, option: str) -> float | list[float]:
+    """One number for all joints, or comma-separated ones."""
+    values = numbers(text, option)
+    return values[0] if len(values) == 1 else values
+
+
 def value_or_range(text: str, option: str) -> float | Range:
     """``x`` or ``lo:hi`` with lo ≤ hi."""
     lo, colon, hi = text.strip().partition(":")

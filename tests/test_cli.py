@@ -1,0 +1,186 @@
+"""The command line: statuses, messages, and where they go."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from asmc_pin.cli import main
+
+UR5 = (
+    "0.14832641607830951,0.16745534835366926,0.15042781767398009,"
+    "0.08106526290068174,0.09334419114818981,0.017136950741091284"
+)
+
+SHORT = """
+name = "short"
+arm = "two_link"
+period = 0.001
+duration = 0.2
+[plant]
+friction = { coulomb = 1.0, viscous = 0.1 }
+[reference]
+kind = "multisine"
+offset = [0.3, 0.2]
+amplitude = [[0.2], [0.2]]
+frequency = [[0.5], [0.5]]
+[defaults]
+mbar = 0.01
+ks = 5.0
+beta = 5.0
+[controllers.PPC]
+law = "ppc"
+[controllers.Wild]
+law = "ppc"
+beta = 900.0
+ks = 900.0
+"""
+
+
+@pytest.fixture
+def asmc_pin(capfd):
+    """Run the command line in this process: status, standard output, standard error."""
+
+    def run(*arguments):
+        with pytest.raises(SystemExit) as end:
+            main(list(arguments))
+        out, err = capfd.readouterr()
+        return end.value.code, out, err
+
+    return run
+
+
+@pytest.fixture
+def experiment(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "short.toml"
+    path.write_text(SHORT)
+    return str(path)
+
+
+def test_an_allowed_mbar_is_unrefuted_and_status_0(asmc_pin):
+    status, out, _ = asmc_pin("verify", "ur5", "--mbar", UR5, "--samples", "4096")
+    assert status == 0
+    assert "unrefuted" in out
+    assert "never prove" in out
+
+
+def test_a_counter_example_is_status_1_and_can_be_checked_by_hand(asmc_pin):
+    from asmc_pin import lemma1_norm, load_arm
+
+    status, out, _ = asmc_pin("verify", "ur5", "--mbar", "1", "--samples", "1024", "--json")
+    report = json.loads(out)
+    assert status == 1
+    assert report["verdict"] == "violated"
+    assert report["kind"] == "sampled"
+    assert report["upper"] is None
+    assert set(report) == {
+        *(
+            "arm",
+            "joints",
+            "mbar",
+            "condition",
+            "verdict",
+            "kind",
+            "lower",
+            "upper",
+            "worst_q",
+            "configurations",
+            "seconds",
+        )
+    }
+    mass = load_arm("ur5").mass_matrix(np.array(report["worst_q"]))
+    assert lemma1_norm(mass, np.full(6, 1.0)) == pytest.approx(report["lower"], rel=1e-9)
+
+
+def test_the_weighted_condition_is_never_called_lemma_1(asmc_pin):
+    status, out, _ = asmc_pin("verify", "two_link", "--mbar", "0.01", "--condition", "weighted", "--samples", "256")
+    assert status == 0
+    assert "2M" in out
+    assert "‖I − M⁻¹M̄‖₂" not in out
+    assert "emma" not in out
+
+
+def test_along_the_shipped_smooth_reference_the_norm_is_the_papers(asmc_pin):
+    status, out, _ = asmc_pin("verify", "two_link", "--mbar", "0.01", "--along", "baek2016_simulation_smooth", "--json")
+    assert status == 0
+    assert json.loads(out)["lower"] == pytest.approx(0.9886, abs=5e-5)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["verify"], "ARM"),
+        (["verify", "ur55", "--mbar", "1"], "did you mean 'ur5'"),
+        (["verify", "ur5", "--mbar", "1,2"], "6"),
+        (["verify", "ur5", "--mbar", "1,x"], "'x' is not a number"),
+        (["verify", "ur5", "--mbar", "-1"], "positive"),
+        (["verify", "ur5", "--mbar", "nan"], "finite"),
+        (["verify", "ur5", "--mbar", "1", "--condition", "lemma2"], "lemma1"),
+        (["verify", "ur5", "--mbar", "1", "--box", "elbow=0:1"], "elbow_joint"),
+        (["verify", "ur5", "--mbar", "1", "--box", "elbow_joint=1:0"], "empty"),
+        (["verify", "ur5", "--mbar", "1", "--box", "elbow_joint"], "JOINT=LO:HI"),
+        (["verify", "ur5", "--mbar", "1", "--payload", "heavy"], "'heavy' is not a number"),
+        (["verify", "ur5", "--mbar", "1", "--lock", "elbow_joint"], "JOINT=ANGLE"),
+        (["verify", "ur5", "--mbar", "1", "--along", "nowhere"], "nowhere"),
+        (["verify", "ur5", "--mbar", "1", "--frobnicate"], "--frobnicate"),
+        (["compare", "nowhere"], "demo"),
+        (["view", "nowhere"], "nowhere"),
+        (["report", "nowhere"], "nowhere"),
+        (["frobnicate"], "frobnicate"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_bad_input_is_one_message_and_status_2(asmc_pin, arguments, says, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    status, out, err = asmc_pin(*arguments)
+    assert status == 2
+    assert out == ""
+    assert says in err
+    assert "Traceback" not in err
+    assert err.startswith("asmc-pin: ")
+
+
+def test_compare_says_who_diverged_and_still_ends_well(asmc_pin, experiment):
+    status, out, err = asmc_pin("compare", experiment, "--json")
+    assert status == 0, err
+    result = json.loads(out)
+    assert result["controllers"]["PPC"]["status"] == "ok"
+    assert result["controllers"]["Wild"]["status"] == "diverged"
+    assert result["controllers"]["Wild"]["rms_error"] == [None, None]
+    assert result["error_units"] == ["deg", "deg"]
+
+
+def test_an_existing_result_is_kept_unless_forced(asmc_pin, experiment, tmp_path):
+    assert asmc_pin("compare", experiment)[0] == 0
+    before = (tmp_path / "results" / "short" / "summary.md").read_bytes()
+    status, out, err = asmc_pin("compare", experiment)
+    assert status == 2
+    assert "--force" in err
+    assert out == ""
+    assert (tmp_path / "results" / "short" / "summary.md").read_bytes() == before
+    assert asmc_pin("compare", experiment, "--force")[0] == 0
+
+
+def test_view_writes_a_page_that_needs_no_network(asmc_pin, experiment, tmp_path):
+    assert asmc_pin("compare", experiment)[0] == 0
+    status, out, _ = asmc_pin("view", "results/short", "--html", "page.html")
+    assert status == 0
+    assert "page.html" in out
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert not re.findall(r"<(?:script|link|img)[^>]+(?:src|href)=[\"']?https?:", page)
+
+
+@pytest.mark.parametrize("command", ["arms", "controllers"])
+def test_the_lists_are_json_too(asmc_pin, command):
+    status, out, _ = asmc_pin(command, "--json")
+    assert status == 0
+    assert len(json.loads(out)[command]) >= 4
+
+
+def test_the_version_is_the_packages(asmc_pin):
+    from importlib.metadata import version
+
+    status, out, _ = asmc_pin("--version")
+    assert (status, out.strip()) == (0, f"asmc-pin {version('asmc-pin')}")
