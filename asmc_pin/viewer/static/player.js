@@ -221,7 +221,8 @@
       };
       const count = this.arms.length;
       const aspect = this.stage.clientWidth / Math.max(1, this.stage.clientHeight);
-      const columns = Math.min(count, Math.max(1, Math.min(4, Math.round(aspect * 2.2))));
+      const fit = Math.min(count, Math.max(1, Math.min(4, Math.round(aspect * 2.2))));
+      const columns = Math.ceil(count / Math.ceil(count / fit));
       const across = 1.04 * span(right) + 0.06 * this.reach(), deep = 1.3 * span(toward) + 0.15 * this.reach();
       const rows = Math.ceil(count / columns);
       this.elevation = rows > 1 ? 0.5 : 0.3;

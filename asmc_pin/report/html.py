@@ -1,0 +1,228 @@
+"""`report.html`: what a comparison found, on one page that opens offline and can be mailed.
+
+Nothing in it depends on when or where it was made: the same result gives the same bytes. Figures are the PNG files of
+the result; the motion and its error over time are interactive. (plotly's bundle alone would weigh twice the rest.)
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Iterator
+from functools import cache
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+
+import numpy as np
+
+from asmc_pin.arms import Arm
+from asmc_pin.errors import ResultError
+from asmc_pin.metrics import METRICS
+from asmc_pin.report.fragments import definition_list, definitions, details, table_html
+from asmc_pin.report.tables import MAIN, Table, metric_table, number, overview, per_joint
+from asmc_pin.results import Result
+from asmc_pin.viewer import controller_colors, player_scripts, replay_fragment, static, write_page
+from asmc_pin.viewer.page import POLICY
+
+SMALL_IS_BEST = ("rms_error", "max_error", "final_error", "settling_time", "torque_variation")
+"""Metrics of which the smallest figure in a column is marked; of a torque or a gain, less is not better."""
+
+FIGURES = {
+    "reference": "The motion to follow: desired positions of the joints.",
+    "errors": "Tracking error of every joint.",
+    "gains_and_s": "Switching gains and sliding variables.",
+    "torques": "Torque of every joint, after the drive's limits.",
+}
+"""Caption of each figure, by the name of its file, in the order of the page."""
+
+
+def report_html(result: Result, path: str | Path) -> None:
+    """Write the report of a comparison.
+
+    Args:
+        result: See `asmc_pin.results.load_result`. Its figures are embedded where its folder has them.
+        path: Where to, usually ``report.html`` in the result's folder.
+
+    Raises:
+        ResultError: The arm cannot be loaded any more, or the page cannot be written.
+    """
+    write_page(report_text(result), path)
+
+
+def report_text(result: Result) -> str:
+    """The page itself; see `report_html`."""
+    replay = replay_fragment(result)
+    body = [
+        *_head(result),
+        '<h2 id="motion">Motion</h2>',
+        f'<div class="panel">{replay}</div>',
+        '<p class="soft">Drag to turn, scroll to zoom after a click, space plays and pauses. The translucent arm is '
+        "the reference; <em>Errors</em> magnifies the differences from it.</p>",
+        *_tables(result),
+        *_figures(result),
+        *_conditions(result),
+        '<h2 id="metrics">How the figures are defined</h2>',
+        '<p class="soft">Computed from the recorded trajectories, for each joint; e = q<sub>d</sub> − q. A law that '
+        "diverged has no figures.</p>",
+        f'<div class="scroll" tabindex="0">{definitions(METRICS.values())}</div>',
+        *_provenance(result),
+    ]
+    return Template(_static("report.html")).substitute(
+        policy=POLICY,
+        title=escape(f"{result.experiment.name}: {_labels(result, ' · ')}"),
+        style=static("player.css") + _static("report.css"),
+        body="\n".join(body),
+        scripts=player_scripts(),
+    )
+
+
+def _head(result: Result) -> Iterator[str]:
+    experiment, arm = result.experiment, result.experiment.build_arm()
+    trials = result.dataset.sizes["trial"]
+    yield f"<h1>{escape(experiment.name)}</h1>"
+    yield (
+        f'<p class="lead">{_labels(result, ", ")} on {escape(arm.name)}, {arm.nv} joints, {experiment.duration:g} s, '
+        f"control period {1e3 * experiment.period:g} ms{f', {trials} trials' if trials > 1 else ''}.</p>"
+    )
+    yield '<ul class="cards">'
+    yield from _cards(result)
+    yield "</ul>"
+    attributes = result.dataset.attrs
+    lines = [("warning", line) for line in str(attributes.get("warnings", "")).splitlines()]
+    lines += [("note", line) for line in str(attributes.get("notes", "")).splitlines()]
+    lines += [("note", f"URDF: {line}") for line in arm.warnings]
+    if lines:
+        yield '<ul class="notes">'
+        for kind, line in lines:
+            sign = "Warning: " if kind == "warning" else ""
+            yield f'<li class="{kind}">{sign}{escape(line)}</li>'
+        yield "</ul>"
+
+
+def _cards(result: Result) -> Iterator[str]:
+    """One card for each controller: did it hold, and its RMS error at the worst joint."""
+    dataset, colours = result.dataset, controller_colors(_label_list(result))
+    labels, units, errors = per_joint(result.summary[result.summary.trial == 0], "rms_error")
+    unit = "deg" if "deg" in units else units[0]
+    alike = np.array(units) == unit
+    worst = dict(zip(labels, errors[:, alike].max(axis=1), strict=True))
+    for k, label in enumerate(_label_list(result)):
+        states = [str(state) for state in dataset.status.to_numpy()[k]]
+        ends = dataset.end_time.to_numpy()[k]
+        over = [i for i, state in enumerate(states) if state != "ok"]
+        if not over:
+            state = "ran to the end" if len(states) == 1 else f"all {len(states)} trials ran to the end"
+        elif len(states) == 1:
+            state = f"{states[0]} at {ends[0]:.3g} s"
+        else:
+            state = f"{len(over)} of {len(states)} trials {states[over[0]]}"
+        yield (
+            f'<li style="--colour:{colours[label]}"><b>{escape(label)}</b>'
+            f'<span class="law">{escape(str(dataset.law.to_numpy()[k]))}</span>'
+            f'<span class="figure">{number(float(worst[label]))} {unit}<small>RMS error, worst joint</small></span>'
+            f'<span class="state{" is-over" if over else ""}">{escape(state)}</span></li>'
+        )
+
+
+def _tables(result: Result) -> Iterator[str]:
+    colours = controller_colors(_label_list(result))
+
+    def html(table: Table, small_is_best: bool | Iterable[int]) -> str:
+        count = len(table.header)
+        best = range(1, count) if small_is_best is True else () if small_is_best is False else small_is_best
+        return f'<div class="scroll" tabindex="0">{table_html(table, colours, best)}</div>'
+
+    summary = result.summary
+    table = overview(summary)
+    yield '<h2 id="summary">Comparison</h2>'
+    yield f"<p>{escape(table.title)} of each joint; the worst error of all, and the chatter of the torque.</p>"
+    yield html(table, True)
+    yield (
+        '<p class="soft">Worst error: the largest of all joints over the run. Chatter: torque '
+        "variation per second, summed over the joints. Marked: the smallest figure of a column. Dash: not defined.</p>"
+    )
+    names = sorted(METRICS, key=lambda name: (name not in MAIN, MAIN.index(name) if name in MAIN else 0))
+    rest = [name for name in names if name != "rms_error" and summary[name].notna().any()]
+    parts = []
+    for name in rest:
+        table = metric_table(summary, name)
+        parts.append(f'<h3>{escape(table.title)}</h3><p class="soft"><code>{escape(METRICS[name].formula)}</code></p>')
+        parts.append(html(table, name in SMALL_IS_BEST))
+    yield details("All metrics, joint by joint", f'<div class="body">{"".join(parts)}</div>')
+
+
+def _figures(result: Result) -> Iterator[str]:
+    folder = result.path / "figures"
+    found = [(name, folder / f"{name}.png") for name in FIGURES if (folder / f"{name}.png").is_file()]
+    if not found:
+        return
+    yield '<h2 id="figures">Figures</h2>'
+    for name, path in found:
+        try:
+            data = base64.b64encode(path.read_bytes()).decode()
+        except OSError as error:
+            raise ResultError(result.path, f"{path} cannot be read: {error.strerror or error}") from error
+        yield (
+            f'<figure><div class="paper"><img alt="{escape(FIGURES[name])}" src="data:image/png;base64,{data}"></div>'
+            f"<figcaption>{escape(FIGURES[name])}</figcaption></figure>"
+        )
+
+
+def _conditions(result: Result) -> Iterator[str]:
+    experiment = result.experiment
+    arm = experiment.build_arm()
+    yield '<h2 id="conditions">Arm and experiment</h2>'
+    yield f'<div class="scroll" tabindex="0">{table_html(_joint_table(arm), {})}</div>'
+    facts = []
+    if arm.payload is not None:
+        facts.append(("Payload", f"{arm.payload.mass:g} kg"))
+    if arm.locked:
+        facts.append(("Locked joints", ", ".join(f"{name} at {angle:g}" for name, angle in arm.locked.items())))
+    if facts:
+        yield definition_list(facts)
+    yield details("The experiment as run", f"<pre>{escape(experiment.to_toml().strip())}</pre>")
+
+
+def _joint_table(arm: Arm) -> Table:
+    rows = []
+    for i, name in enumerate(arm.joint_names):
+        turns = arm.joint_kinds[i] == "revolute"
+        factor, unit = (180.0 / np.pi, "deg") if turns else (1e3, "mm")
+        low, high = factor * arm.lower[i], factor * arm.upper[i]
+        reach = f"{number(low)} … {number(high)} {unit}" if np.isfinite(low) and np.isfinite(high) else "not declared"
+        effort = arm.effort_limit[i]
+        force = f"{number(float(effort))} {'N·m' if turns else 'N'}" if np.isfinite(effort) else "not declared"
+        rows.append([name, arm.joint_kinds[i], reach, force, f"{number(float(arm.armature[i]))}"])
+    return Table("Joints", ["joint", "kind", "range", "effort limit", "reflected inertia [kg·m² or kg]"], rows)
+
+
+def _provenance(result: Result) -> Iterator[str]:
+    arm = result.experiment.build_arm()
+    yield '<h2 id="provenance">Where this comes from</h2>'
+    yield definition_list(
+        [
+            ("URDF", arm.source.name),
+            ("SHA-256 of the URDF", str(result.provenance.get("arm", {}).get("sha256", arm.sha256))),
+            ("Seed", str(result.experiment.seed)),
+            ("Trajectories", "trajectories.nc"),
+            ("Summary", "summary.parquet, summary.md, summary.tex"),
+        ]
+    )
+    yield (
+        "<footer>Made by asmc_pin. Versions of the software and times stand in provenance.json beside this page; "
+        "all else is bitwise repeatable on the same machine.</footer>"
+    )
+
+
+def _label_list(result: Result) -> list[str]:
+    return [str(label) for label in result.dataset.controller.to_numpy()]
+
+
+def _labels(result: Result, separator: str) -> str:
+    return escape(separator.join(_label_list(result)))
+
+
+@cache
+def _static(name: str) -> str:
+    return (files("asmc_pin.report") / "static" / name).read_text(encoding="utf-8")
