@@ -1,0 +1,74 @@
+"""The summary as a LaTeX table, for a paper."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import pandas as pd
+
+from asmc_pin.report.tables import MAIN, NOTHING, metric_table, smallest
+
+_ESCAPES = {
+    "\\": r"\textbackslash{}",
+    "&": r"\&",
+    "%": r"\%",
+    "$": r"\$",
+    "#": r"\#",
+    "_": r"\_",
+    "{": r"\{",
+    "}": r"\}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "<": r"\textless{}",
+    ">": r"\textgreater{}",
+    "|": r"\textbar{}",
+    '"': "''",
+}
+_SYMBOLS = {"·": r"\,", "²": r"$^2$", NOTHING: "--", "∞": r"$\infty$", "−": "$-$", "°": r"$^\circ$"}
+
+
+def escape(text: str) -> str:
+    """Text as LaTeX prints it."""
+    return "".join(_ESCAPES.get(char) or _SYMBOLS.get(char, char) for char in text)
+
+
+def latex_table(summary: pd.DataFrame, metrics: Sequence[str] = MAIN) -> str:
+    """A ``table`` environment: a block for each metric, a row for each controller, a column for each joint.
+
+    It needs ``booktabs`` and nothing else. Joints are numbered, base first; the caption names them.
+
+    Args:
+        summary: Rows of a comparison.
+        metrics: Which metrics to show.
+    """
+    joints = list(dict.fromkeys(summary.joint))
+    name, arm = str(summary.experiment.iloc[0]), str(summary.arm.iloc[0])
+    listed = ", ".join(f"{i + 1}: {escape(joint)}" for i, joint in enumerate(joints))
+    count = len(joints)
+    environment = "table" if count <= 3 else "table*"  # across both columns of a page
+    lines = [
+        r"% Needs \usepackage{booktabs}.",
+        rf"\begin{{{environment}}}[t]",
+        r"  \centering",
+        rf"  \caption{{Comparison ``{escape(name)}'' on {escape(arm)}; joints {listed}.}}",
+        rf"  \label{{tab:{re.sub(r'[^A-Za-z0-9-]', '-', name)}}}",
+        rf"  \begin{{tabular}}{{l{'r' * count}}}",
+        r"    \toprule",
+        rf"    & \multicolumn{{{count}}}{{c}}{{Joint}} \\",
+        rf"    \cmidrule(l){{2-{count + 1}}}",
+        "    Controller & " + " & ".join(str(i + 1) for i in range(count)) + r" \\",
+    ]
+    for metric in metrics:
+        table = metric_table(summary, metric)
+        units = re.findall(r"\[(.+?)\]$", table.title)
+        title = escape(table.title.partition(" [")[0]) + (f" [{escape(units[0])}]" if units else "")
+        lines += [r"    \midrule", rf"    \multicolumn{{{count + 1}}}{{l}}{{\emph{{{title}}}}} \\"]
+        rows = [[escape(cell) for cell in row] for row in table.rows]
+        if metric.endswith("_error"):
+            for column in range(1, count + 1):
+                for i in smallest([row[column] for row in table.rows]):
+                    rows[i][column] = rf"\textbf{{{rows[i][column]}}}"
+        lines += ["    " + " & ".join(row) + r" \\" for row in rows]
+    lines += [r"    \bottomrule", r"  \end{tabular}", rf"\end{{{environment}}}", ""]
+    return "\n".join(lines)

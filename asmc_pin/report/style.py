@@ -1,0 +1,69 @@
+"""How figures look: the size and type of a two-column journal. Colours: `asmc_pin.viewer.colours`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+COLUMN, PAGE = 3.5, 7.16
+"""Width of one and of two columns, inch (IEEE)."""
+
+GREY = "#7F7F7F"
+
+_STYLE: Any = {
+    "font.family": "serif",
+    "font.serif": ["STIXGeneral"],
+    "mathtext.fontset": "stix",
+    "font.size": 8.0,
+    "axes.titlesize": 8.0,
+    "axes.labelsize": 8.0,
+    "xtick.labelsize": 7.0,
+    "ytick.labelsize": 7.0,
+    "legend.fontsize": 7.5,
+    "legend.frameon": False,
+    "legend.handlelength": 1.6,
+    "legend.columnspacing": 1.4,
+    "lines.linewidth": 0.9,
+    "axes.linewidth": 0.6,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.titlepad": 3.0,
+    "axes.labelpad": 2.0,
+    "grid.color": "#DDDDDD",
+    "grid.linewidth": 0.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "axes.unicode_minus": True,
+    "path.simplify": True,
+    "pdf.fonttype": 42,  # TrueType: journals refuse Type 3 fonts
+    "pdf.compression": 6,
+    "svg.hashsalt": "asmc_pin",
+    "savefig.dpi": 200,
+}
+
+
+@contextmanager
+def paper_style() -> Iterator[None]:
+    """Matplotlib's settings for the figures, whatever the user's own are."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(_STYLE)
+        yield
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write PATH.pdf and PATH.png without dates and versions, so that the same figure gives the same bytes."""
+    figure.draw_without_rendering()  # one layout serves both
+    figure.set_layout_engine(None)
+    undated = {"CreationDate": None, "Creator": None, "Producer": None}
+    figure.savefig(path.with_suffix(".pdf"), metadata=undated)
+    figure.savefig(path.with_suffix(".png"), metadata={"Software": None})

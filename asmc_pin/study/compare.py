@@ -1,0 +1,177 @@
+"""Running every controller of an experiment on the same plant, and writing the result."""
+
+from __future__ import annotations
+
+import json
+import time
+import traceback
+from collections.abc import Callable
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+
+from asmc_pin import results
+from asmc_pin.arms import Arm
+from asmc_pin.controllers import Controller
+from asmc_pin.errors import AsmcPinError, ExperimentError
+from asmc_pin.experiment import Experiment
+from asmc_pin.plant import Plant
+from asmc_pin.report.figures import draw_figures
+from asmc_pin.report.latex import latex_table
+from asmc_pin.report.tables import markdown_table, metric_tables_markdown
+from asmc_pin.rollout import Rollout, rollout
+from asmc_pin.study.comparison import Comparison, summary_rows
+from asmc_pin.study.notes import after_the_run, before_the_run, lemma1_along
+from asmc_pin.study.provenance import provenance
+
+Progress = Callable[[str, float], None]
+"""Told what is being done, and which share of all is done, 0 to 1."""
+
+_SIMULATION = 0.8  # of the time, roughly; the rest is writing and drawing
+
+
+def compare(
+    experiment: Experiment, out: str | Path | None = None, force: bool = False, progress: Progress | None = None
+) -> Comparison:
+    """Run every controller of an experiment on the same plant and write the result.
+
+    The same experiment gives bitwise the same files on the same machine, but for ``provenance.json``.
+
+    Args:
+        experiment: See `asmc_pin.load_experiment`.
+        out: Folder of the result; ``results/NAME`` when omitted. It appears whole or not at all.
+        force: Whether a result that is there already may be replaced.
+        progress: Called now and then.
+
+    Returns:
+        The comparison. A law that diverged has status ``"diverged"`` in it; that is no error.
+
+    Raises:
+        ResultError: something is there that may not be replaced.
+        ExperimentError: a key does not fit the arm, or a law of one's own raised an exception.
+        ArmError: the URDF cannot be used.
+    """
+    folder = Path(out) if out is not None else Path("results") / experiment.name
+    results.check_target(folder, force)
+    tell = progress or (lambda _what, _share: None)
+    tell("loading", 0.0)
+    started = datetime.now(UTC)
+    arm, plant, laws = experiment.build_arm(), experiment.build_plant(), experiment.build_controllers()
+    lemma1 = lemma1_along(arm, *experiment.setpoints(), laws)
+    warnings = before_the_run(experiment, plant, lemma1)
+
+    seconds: dict[str, float] = {}
+    runs: dict[str, Rollout] = {}
+    for i, (label, law) in enumerate(laws.items()):
+        begun = time.perf_counter()
+        runs[label] = _run(experiment, plant, label, law, _part(tell, label, i, len(laws)))
+        seconds[label] = time.perf_counter() - begun
+    warnings += after_the_run(runs)
+
+    comparison = Comparison(
+        experiment=experiment,
+        arm=arm,
+        out=folder,
+        rows=summary_rows(experiment, arm, runs),
+        dataset=results.trajectories(arm, runs, {label: experiment.controllers[label]["law"] for label in laws}),
+        warnings=tuple(warnings),
+        lemma1=lemma1,
+    )
+    # For who reads the result back: the report, and a person with the trajectories alone.
+    comparison.dataset.attrs |= {"warnings": "\n".join(warnings), "notes": "\n".join(comparison.notes)}
+    with results.whole_or_not_at_all(folder, force) as made:
+        _write(comparison, plant, made, started, seconds, tell)
+    tell("done", 1.0)
+    return comparison
+
+
+def _part(tell: Progress, label: str, index: int, count: int) -> Callable[[int, int], None]:
+    tell(label, _SIMULATION * index / count)
+    return lambda done, total: tell(label, _SIMULATION * (index + done / total) / count)
+
+
+def _run(
+    experiment: Experiment, plant: Plant, label: str, law: Controller, progress: Callable[[int, int], None]
+) -> Rollout:
+    world = experiment.plant
+    try:
+        return rollout(
+            plant,
+            law,
+            experiment.build_reference(),
+            experiment.duration,
+            period=experiment.period,
+            q0=world.q0,
+            v0=world.v0,
+            progress=progress,
+        )
+    except AsmcPinError as error:
+        raise ExperimentError(f"controllers.{label}", str(error)) from error
+    except Exception as error:
+        name = experiment.controllers[label]["law"]
+        if ":" not in name:
+            raise
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        raise ExperimentError(
+            f"controllers.{label}",
+            f"the law '{name}' raised {type(error).__name__}: {error} ({where.filename}, line {where.lineno})",
+        ) from error
+
+
+def _write(
+    comparison: Comparison, plant: Plant, folder: Path, started: datetime, seconds: dict[str, float], tell: Progress
+) -> None:
+    """Every file of the result, into an empty folder."""
+    from asmc_pin.report.html import report_html
+
+    experiment, arm, rows = comparison.experiment, comparison.arm, comparison.rows
+    tell("writing", _SIMULATION)
+    (folder / results.EXPERIMENT).write_text(experiment.to_toml(), encoding="utf-8")
+    # What a user ought to be told stays with the figures, so that a report made later says it too.
+    told = {"notes": "\n".join(comparison.notes), "warnings": "\n".join(comparison.warnings)}
+    results.write_trajectories(comparison.dataset.assign_attrs(told), folder / results.TRAJECTORIES)
+    results.write_summary(rows, folder / results.SUMMARY)
+    (folder / "summary.md").write_text(summary_markdown(comparison), encoding="utf-8")
+    (folder / "summary.tex").write_text(latex_table(rows), encoding="utf-8")
+    tell("figures", _SIMULATION + 0.03)
+    draw_figures(comparison.dataset, folder / "figures", np.asarray(plant.effort_limit))
+    tell("report", _SIMULATION + 0.12)
+    _write_provenance(experiment, arm, folder, started, seconds)
+    report_html(results.load_result(folder), folder / "report.html")
+    _write_provenance(experiment, arm, folder, started, seconds)
+
+
+def _write_provenance(
+    experiment: Experiment, arm: Arm, folder: Path, started: datetime, seconds: dict[str, float]
+) -> None:
+    """Written before the report too, which is made from the result as it can be read back."""
+    path = folder / results.PROVENANCE
+    path.unlink(missing_ok=True)
+    text = json.dumps(provenance(experiment, arm, started, seconds, folder), indent=2, ensure_ascii=False)
+    path.write_text(text + "\n", encoding="utf-8")
+
+
+def summary_markdown(comparison: Comparison) -> str:
+    """The text of ``summary.md``."""
+    experiment, arm = comparison.experiment, comparison.arm
+    table = comparison.overview()
+    lines = [
+        f"# {experiment.name}",
+        "",
+        f"{arm.name}, {arm.nv} joints, {experiment.duration:g} s, control period {1e3 * experiment.period:g} ms.",
+        "",
+        *(f"- {line}" for line in comparison.notes),
+        *(f"- Warning: {line}" for line in comparison.warnings),
+        *(f"- URDF: {line}" for line in arm.warnings),
+        "",
+        f"## {table.title}, worst error and chatter",
+        "",
+        markdown_table(table),
+        "",
+        "Worst error: the largest of all joints. Chatter: torque variation per second, summed over the joints. "
+        "Bold: the smallest figure of a joint. Dash: not defined.",
+        "",
+        metric_tables_markdown(comparison.rows),
+    ]
+    return "\n".join(lines)

@@ -1,0 +1,117 @@
+"""What `compare` hands back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from asmc_pin.arms import Arm
+from asmc_pin.experiment import Experiment
+from asmc_pin.metrics import METRICS, evaluate
+from asmc_pin.report.tables import Table, overview
+from asmc_pin.rollout import Rollout
+from asmc_pin.study.notes import Lemma1Range, lemma1_lines
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Controllers compared on one motion of one arm, and where the result lies.
+
+    Attributes:
+        experiment: As run.
+        arm: The arm.
+        out: Folder of the result.
+        rows: One row for each controller, trial and joint; metrics in SI units, NaN where not defined.
+        dataset: Trajectories; dimensions controller, trial, time, joint; units as attributes.
+        warnings: What a user ought to be told, in plain words.
+        lemma1: Range of ‖I − M⁻¹M̄‖₂ along the reference, for each label whose law has an M̄.
+    """
+
+    experiment: Experiment
+    arm: Arm
+    out: Path
+    rows: pd.DataFrame
+    dataset: xr.Dataset
+    warnings: tuple[str, ...]
+    lemma1: Mapping[str, Lemma1Range]
+
+    @property
+    def notes(self) -> list[str]:
+        """What is worth knowing and is no warning."""
+        return lemma1_lines(self.lemma1)
+
+    def overview(self) -> Table:
+        """The table that a person reads first."""
+        return overview(self.rows)
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """What ``compare --json`` prints: valid JSON, null where a figure is not defined.
+
+        Errors are in the `error_units` of their joint, the rest in SI; lists have one value for each joint, of the
+        first trial.
+        """
+        prismatic = [kind == "prismatic" for kind in self.arm.joint_kinds]
+        first = self.rows[self.rows.trial == self.rows.trial.iloc[0]]
+        controllers = {}
+        for label, rows in first.groupby("controller", sort=False):
+            figures: dict[str, Any] = {
+                "law": rows.law.iloc[0],
+                "status": rows.status.iloc[0],
+                "end_time": float(rows.end_time.iloc[0]),
+            }
+            for name, metric in METRICS.items():
+                values = rows[name].to_numpy()
+                if metric.quantity == "position":
+                    values = values * np.where(prismatic, 1e3, 180.0 / math.pi)
+                figures[name] = [float(x) if math.isfinite(x) else None for x in values]
+            if label in self.lemma1:
+                item = self.lemma1[str(label)]
+                figures["lemma1_along_reference"] = [item.lower, item.upper]
+            controllers[str(label)] = figures
+        return {
+            "arm": self.arm.name,
+            "out": str(self.out),
+            "experiment": self.experiment.name,
+            "joints": list(self.arm.joint_names),
+            "error_units": ["mm" if item else "deg" for item in prismatic],
+            "controllers": controllers,
+            "warnings": list(self.warnings),
+        }
+
+
+def summary_rows(experiment: Experiment, arm: Arm, rollouts: Mapping[str, Rollout]) -> pd.DataFrame:
+    """Tidy rows: one for each controller, trial and joint, with every metric in SI units.
+
+    Args:
+        experiment: As run.
+        arm: The arm.
+        rollouts: By label.
+    """
+    settings = experiment.metric_settings()
+    parts = []
+    for label, run in rollouts.items():
+        batch = len(run.status)
+        frame = pd.DataFrame(
+            {
+                "experiment": experiment.name,
+                "arm": arm.name,
+                "controller": label,
+                "law": experiment.controllers[label]["law"],
+                "trial": np.repeat(np.arange(batch), arm.nv),
+                "joint": list(arm.joint_names) * batch,
+                "joint_kind": list(arm.joint_kinds) * batch,
+                "status": np.repeat(np.array(run.status, dtype=object), arm.nv),
+                "end_time": np.repeat(run.end_time, arm.nv),
+            }
+        )
+        for name, values in evaluate(run, settings).items():
+            frame[name] = values.ravel()
+        parts.append(frame)
+    return pd.concat(parts, ignore_index=True)

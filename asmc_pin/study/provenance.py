@@ -1,0 +1,76 @@
+"""Where a result comes from: the one file of it that carries times and versions."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+import sys
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from asmc_pin.arms import Arm
+from asmc_pin.experiment import Experiment
+
+# What the figures depend on.
+PACKAGES = (
+    "asmc-pin",
+    "pin",
+    "example-robot-data",
+    "numpy",
+    "scipy",
+    "numba",
+    "xarray",
+    "h5netcdf",
+    "h5py",
+    "pandas",
+    "pyarrow",
+    "matplotlib",
+)
+
+
+def provenance(
+    experiment: Experiment, arm: Arm, started: datetime, seconds: Mapping[str, float], folder: Path
+) -> dict[str, Any]:
+    """Versions, hashes, seed and times of a run, ready for JSON.
+
+    Args:
+        experiment: As run.
+        arm: As run.
+        started: When, with its time zone.
+        seconds: Wall time of each controller's run, s.
+        folder: The result, complete but for this; every file in it is listed with its SHA-256.
+    """
+    return {
+        "experiment": {
+            "name": experiment.name,
+            "folder": str(experiment.folder),
+            "sha256": _digest(experiment.to_toml().encode()),
+        },
+        "arm": {"name": arm.name, "urdf": str(arm.source), "sha256": arm.sha256},
+        "seed": experiment.seed,
+        "started": started.isoformat(timespec="seconds"),
+        "finished": datetime.now(UTC).isoformat(timespec="seconds"),
+        "seconds": {label: round(value, 3) for label, value in seconds.items()},
+        "python": sys.version.split()[0],
+        "platform": platform.platform(),
+        "packages": {name: _version(name) for name in PACKAGES},
+        "files": {
+            path.relative_to(folder).as_posix(): _digest(path.read_bytes())
+            for path in sorted(folder.rglob("*"))
+            if path.is_file()
+        },
+    }
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()

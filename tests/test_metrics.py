@@ -1,0 +1,168 @@
+"""Metrics against signals whose figures are known in closed form."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from asmc_pin.errors import ParameterError
+from asmc_pin.metrics import METRICS, QUANTITIES, MetricSettings, evaluate
+from asmc_pin.rollout import Rollout
+
+DOCS = Path(__file__).resolve().parent.parent / "docs" / "metrics.md"
+L = 0.001
+
+
+def run(ticks=1001, batch=1, nv=1, period=L, status=None, **signals):
+    """A rollout of given signals, (T,), (T, nv) or (batch, T, nv); what is not given is 0, the gain NaN."""
+    time = np.arange(ticks) * period
+
+    def shaped(name, default, shape):
+        value = np.asarray(signals.pop(name, default), dtype=float)
+        value = value[:, None] if value.ndim == 1 else value
+        return np.broadcast_to(value, shape).copy()
+
+    full, shared = (batch, ticks, nv), (ticks, nv)
+    arrays = {name: shaped(name, 0.0, full) for name in ("q", "v", "torque", "friction_torque", "s")}
+    arrays |= {"gain": shaped("gain", np.nan, full)}
+    arrays |= {name: shaped(name, 0.0, shared) for name in ("q_ref", "v_ref", "a_ref")}
+    assert not signals
+    status = status or ("ok",) * batch
+    return Rollout(
+        time=time,
+        status=status,
+        end_time=np.full(batch, time[-1]),
+        joint_names=tuple(f"j{i}" for i in range(nv)),
+        period=period,
+        limit_violations=(),
+        **arrays,
+    )
+
+
+def figure(name, rollout, **settings):
+    values = METRICS[name](rollout, MetricSettings(**settings))
+    assert values.shape == (rollout.q.shape[0], rollout.q.shape[2])
+    return values[0, 0]
+
+
+def test_rms_of_a_sine_error_over_whole_periods_is_its_amplitude_over_root_two():
+    t = np.arange(1000) * L
+    assert figure("rms_error", run(1000, q=0.3 * np.sin(2 * np.pi * 5 * t))) == pytest.approx(0.3 / np.sqrt(2), rel=1e-12)
+
+
+def test_errors_are_taken_between_reference_and_position():
+    rollout = run(11, q=np.linspace(0.0, 1.0, 11), q_ref=np.linspace(0.0, 3.0, 11))
+    assert figure("max_error", rollout) == pytest.approx(2.0)
+    assert figure("final_error", rollout) == pytest.approx(2.0)
+    rollout = run(11, q=np.linspace(1.0, 0.25, 11))
+    assert figure("max_error", rollout) == pytest.approx(1.0)
+    assert figure("final_error", rollout) == pytest.approx(0.25)
+
+
+def test_a_decaying_error_settles_when_its_exponential_enters_the_band():
+    t = np.arange(1001) * L
+    rollout = run(q=np.exp(-10.0 * t))
+    exact = np.log(1.0 / 0.01) / 10.0
+    assert exact <= figure("settling_time", rollout, settling_band=0.01) <= exact + L
+
+
+def test_an_error_that_was_never_outside_settles_at_zero_and_one_that_ends_outside_never_does():
+    assert figure("settling_time", run(q=np.full(1001, 0.001)), settling_band=0.001) == 0.0
+    late = np.zeros(1001)
+    late[-1] = 0.2
+    assert np.isnan(figure("settling_time", run(q=late), settling_band=0.1))
+    late[-1], late[-2] = 0.0, -0.2
+    assert figure("settling_time", run(q=late), settling_band=0.1) == pytest.approx(1.0)
+
+
+def test_the_settling_band_may_differ_from_joint_to_joint():
+    rollout = run(101, nv=2, q=np.tile([[0.05, 0.05]], (101, 1)))
+    values = METRICS["settling_time"](rollout, MetricSettings(settling_band=np.array([0.1, 0.01])))
+    assert values[0, 0] == 0.0
+    assert np.isnan(values[0, 1])
+
+
+def test_torque_figures_see_only_what_was_held_within_the_run():
+    # +2 and -2 by turns over ten periods; the torque of the last tick acts after the end.
+    torque = np.append(np.tile([2.0, -2.0], 5), 1e6)
+    rollout = run(11, torque=torque)
+    assert figure("torque_rms", rollout) == pytest.approx(2.0)
+    assert figure("torque_max", rollout) == 2.0
+    assert figure("torque_variation", rollout) == pytest.approx(9 * 4.0 / (10 * L))
+    assert figure("saturation_share", rollout, effort_limit=2.5) == 0.0
+
+
+def test_variation_of_a_sine_is_four_amplitudes_a_period():
+    t = np.arange(2001) * L
+    rollout = run(2001, torque=3.0 * np.sin(2 * np.pi * 2.5 * t))
+    assert figure("torque_variation", rollout) == pytest.approx(4 * 3.0 * 2.5, rel=1e-3)
+
+
+def test_a_steady_torque_has_no_chatter_however_large():
+    rollout = run(torque=np.full(1001, 1e3 / 3.0))
+    assert figure("torque_variation", rollout) == 0.0
+    assert figure("torque_high_frequency_share", rollout) == 0.0
+
+
+@pytest.mark.parametrize("high", [0.0, 1.0, 3.0])
+def test_power_is_split_at_the_cutoff(high):
+    t = np.arange(1001) * L
+    torque = 7.0 + 2.0 * np.sin(2 * np.pi * 10 * t + 0.3) + high * np.sin(2 * np.pi * 200 * t)
+    share = figure("torque_high_frequency_share", run(torque=torque), cutoff_hz=50.0)
+    assert share == pytest.approx(high**2 / (high**2 + 4.0), abs=1e-6)
+
+
+def test_a_slow_ramp_has_hardly_any_power_above_the_cutoff():
+    assert figure("torque_high_frequency_share", run(torque=np.linspace(-50, 50, 1001)), cutoff_hz=50.0) < 1e-6
+
+
+def test_no_share_is_claimed_above_what_the_sampling_can_show():
+    assert np.isnan(figure("torque_high_frequency_share", run(period=0.02), cutoff_hz=25.0))
+
+
+def test_sign_changes_are_counted_with_zero_as_positive():
+    s = np.array([1.0, 0.0, -1.0, -0.0, 2.0, -3.0, -1.0, 4.0])  # + + - + + - - +: four changes
+    assert figure("s_sign_changes", run(8, s=s)) == pytest.approx(4 / (7 * L))
+
+
+def test_a_law_without_s_has_no_sign_changes_rather_than_zero():
+    assert np.isnan(figure("s_sign_changes", run(s=np.full(1001, np.nan))))
+
+
+def test_saturation_counts_both_signs_and_rounding_at_the_limit():
+    torque = np.array([5.0, -5.0, 5.0 * (1 - 1e-12), 4.9, 0.0, 0.0, 0.0, 0.0, 0.0])
+    assert figure("saturation_share", run(9, torque=torque), effort_limit=5.0) == pytest.approx(3 / 8)
+
+
+def test_gains_are_peak_and_last_and_absent_where_there_is_none():
+    gain = np.array([0.0, 3.0, 9.0, 4.0])
+    assert figure("peak_gain", run(4, gain=gain)) == 9.0
+    assert figure("final_gain", run(4, gain=gain)) == 4.0
+    assert np.isnan(figure("peak_gain", run(4)))
+
+
+def test_a_diverged_trial_has_no_figures_and_leaves_its_neighbour_alone():
+    q = np.zeros((2, 1001, 1))
+    q[0] = 0.5
+    q[1, 400:] = np.nan
+    values = evaluate(run(batch=2, q=q, gain=np.zeros((2, 1001, 1)), status=("ok", "diverged")))
+    assert set(values) == set(METRICS)
+    assert all(np.isnan(item[1]).all() for item in values.values())
+    assert all(np.isfinite(item[0]).all() for name, item in values.items() if name != "settling_time")
+
+
+def test_settings_refuse_what_has_no_meaning():
+    with pytest.raises(ParameterError, match="cutoff_hz: must be positive"):
+        MetricSettings(cutoff_hz=0.0)
+    with pytest.raises(ParameterError, match="settling_band"):
+        MetricSettings(settling_band=np.array([0.1, -0.1]))
+
+
+@pytest.mark.parametrize("metric", METRICS.values(), ids=lambda metric: metric.name)
+def test_every_metric_is_defined_in_the_docs_with_unit_and_source(metric):
+    text = DOCS.read_text(encoding="utf-8")
+    assert metric.quantity in QUANTITIES
+    row = next(line for line in text.splitlines() if line.startswith(f"| `{metric.name}` |"))
+    assert metric.formula.replace("|", r"\|") in row
+    assert metric.source in row
+    assert f"| {metric.unit} |" in row
