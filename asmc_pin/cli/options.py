@@ -50,7 +50,11 @@ ArmatureOption: TypeAlias = Annotated[
 ]
 LockOption: TypeAlias = Annotated[
     list[str] | None,
-    typer.Option("--lock", metavar="JOINT=ANGLE", help="Lock a joint at an angle, rad or m. Repeatable."),
+    typer.Option(
+        "--lock",
+        metavar="JOINT=ANGLE",
+        help="Lock a joint at an angle, rad or m; 'free' frees a gripper's. Repeatable.",
+    ),
 ]
 GravityOption: TypeAlias = Annotated[
     str | None,
@@ -163,8 +167,10 @@ def open_domain(
         if value is not None:
             spread = isinstance(value, tuple) or (isinstance(value, list) and any(isinstance(x, tuple) for x in value))
             (ranges if spread else single)[name] = value
-    locks = {j: numbers(v, "--lock") for j, v in assignments(lock, "--lock", "JOINT=ANGLE").items()}
-    held = {joint: angles[0] for joint, angles in locks.items() if len(angles) == 1}
+    given = assignments(lock, "--lock", "JOINT=ANGLE or JOINT=free")
+    locks = {joint: numbers(value, "--lock") for joint, value in given.items() if value != "free"}
+    held: dict[str, Any] = {joint: angles[0] for joint, angles in locks.items() if len(angles) == 1}
+    held |= {joint: None for joint, value in given.items() if value == "free"}
     choices = {joint: angles for joint, angles in locks.items() if len(angles) > 1}
     if choices:
         ranges["lock"] = choices
