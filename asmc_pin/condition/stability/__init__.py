@@ -9,6 +9,14 @@ from asmc_pin.condition.stability.linear_map import (
     spectral_radius,
 )
 from asmc_pin.condition.stability.loop import SampledLoop
+from asmc_pin.condition.stability.prediction import (
+    StepResponse,
+    TrackingPrediction,
+    drift_error,
+    predict_tracking,
+    reversal_estimate,
+    step_response,
+)
 from asmc_pin.condition.stability.report import StabilityReport, stability
 
 __all__ = [
@@ -16,9 +24,15 @@ __all__ = [
     "Limits",
     "SampledLoop",
     "StabilityReport",
+    "StepResponse",
+    "TrackingPrediction",
     "closed_loop",
+    "drift_error",
     "inertia_ratios",
     "modal_radius",
+    "predict_tracking",
+    "reversal_estimate",
     "spectral_radius",
     "stability",
+    "step_response",
 ]

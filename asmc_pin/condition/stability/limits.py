@@ -149,13 +149,19 @@ class Configurations:
         return radius >= 1.0
 
 
+def modes_of(workspace: Workspace, mbar: Array, count: int = _MODES) -> Modes:
+    """The extreme modes over a workspace, and `count` in between."""
+    (low, _), (high, _) = workspace.ratio_range(mbar)
+    found = np.sort(inertia_ratios(workspace.mass, mbar), axis=None)
+    some = found[np.linspace(0, found.size - 1, min(count, found.size)).astype(np.int64)]
+    return Modes(np.concatenate([[low, high], some]), mbar)
+
+
 def critical_set(workspace: Workspace, loop: SampledLoop, worst_q: Array) -> Critical:
     """What decides about a loop and its like: modes where they separate, else configurations."""
-    (low, q_low), (high, q_high) = workspace.ratio_range(loop.mbar)
     if loop.modal and workspace.viscous is None and not workspace.gravity:
-        found = np.sort(inertia_ratios(workspace.mass, loop.mbar), axis=None)
-        some = found[np.linspace(0, found.size - 1, min(_MODES, found.size)).astype(np.int64)]
-        return Modes(np.concatenate([[low, high], some]), loop.mbar)
+        return modes_of(workspace, loop.mbar)
+    (_, q_low), (_, q_high) = workspace.ratio_range(loop.mbar)
     ranked = [np.argsort(-workspace.radii(loop.scaled(ks=x, beta=x)))[:_WORST] for x in (1.0, 3.0)]
     others = workspace.q[np.unique(np.concatenate(ranked))]
     return Configurations(workspace, np.concatenate([worst_q[None], q_low[None], q_high[None], others]))
