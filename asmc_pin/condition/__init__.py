@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from asmc_pin.condition.design import design
+from asmc_pin.condition.design_report import DesignReport
 from asmc_pin.condition.lemma1 import CONDITIONS, Condition, lemma1_norm, weighted_norm
 from asmc_pin.condition.report import ConditionReport
 from asmc_pin.condition.search import scale_refuted, search_worst
@@ -11,6 +13,8 @@ __all__ = [
     "CONDITIONS",
     "Condition",
     "ConditionReport",
+    "DesignReport",
+    "design",
     "lemma1_norm",
     "scale_refuted",
     "search_worst",

@@ -7,7 +7,7 @@ searches the box by local maximisation and takes in all the distinct local maxim
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -62,9 +62,8 @@ class Active:
 
     def keep(self, which: IntArray) -> None:
         """Forget the others."""
-        self.masses, self.q, self.armature, self.case = (
-            part[which] for part in (self.masses, self.q, self.armature, self.case)
-        )
+        self.masses, self.q, self.armature = self.masses[which], self.q[which], self.armature[which]
+        self.case = self.case[which]
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +76,9 @@ class Exchanged:
         bandwidth: Smallest λ_min(M⁻¹M̄) that the search found.
         rounds: Programs solved.
         configurations: Configurations evaluated by the searches.
+        masses: What the last program knew: inertia matrices, shape (known, nv, nv), in the order of its weights.
+        q: Their configurations, shape (known, nv).
+        case: Index of their domain, shape (known,).
     """
 
     solution: Solution
@@ -84,6 +86,9 @@ class Exchanged:
     bandwidth: float
     rounds: int
     configurations: int
+    masses: Array
+    q: Array
+    case: IntArray
 
 
 def exchange(active: Active, condition: Condition, bounds: Bounds, level: float | None = None) -> Exchanged | None:
@@ -110,7 +115,10 @@ def exchange(active: Active, condition: Condition, bounds: Bounds, level: float 
         goal = solution.value if level is None else level
         # Configurations far from limiting only cost time; the search brings them back if they come to matter.
         if len(active.q) > 60:
-            active.keep(np.argsort(-solution.weights)[:40])
+            few = np.argsort(-solution.weights)[:40]
+            active.keep(few)
+            solution = replace(solution, weights=solution.weights[few])
+        snapshot = active.masses, active.q, active.case
         norm, bandwidth, new = 0.0, np.inf, 0
         for index, domain in enumerate(active.domains):
             seed = active.seed + 1 + count
@@ -140,7 +148,7 @@ def exchange(active: Active, condition: Condition, bounds: Bounds, level: float 
             configurations += slow.configurations
             if level is not None:
                 new += _take(active, index, slow, -solution.value * (1.0 - 0.1 * TOLERANCE))
-        now = Exchanged(solution, norm, bandwidth, count, configurations)
+        now = Exchanged(solution, norm, bandwidth, count, configurations, *snapshot)
         best = now
         met = norm - goal <= TOLERANCE * abs(1.0 - goal) + 1e-9
         if level is not None:

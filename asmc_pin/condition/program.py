@@ -117,7 +117,15 @@ def _solve(masses: Array, condition: Condition, bounds: Bounds, level: float | N
     weights = np.array([sum(np.trace(d) for d in duals[i : i + each]) for i in range(0, len(duals), each)])
     x = float(value.value), np.asarray(share.value)
     slope = _by_armature(masses, unit, condition, level, x, duals)
-    return Solution(x[0], x[1] * unit, weights, slope if level is None else -slope)
+    # The solver keeps bounds and equalities to its tolerance; M̄ keeps them exactly.
+    mbar = np.clip(x[1] * unit if bounds.form == "diagonal" else np.full(nv, x[1].mean() * unit[0]), *_ends(bounds))
+    return Solution(x[0], mbar, weights, slope if level is None else -slope)
+
+
+def _ends(bounds: Bounds) -> tuple[Array, Array]:
+    if bounds.form == "scalar":
+        return np.full_like(bounds.lower, bounds.lower.max()), np.full_like(bounds.upper, bounds.upper.min())
+    return bounds.lower, bounds.upper
 
 
 def _inequalities(
