@@ -117,10 +117,11 @@ def _cards(result: Result) -> Iterator[str]:
             state = f"{states[0]} at {ends[0]:.3g} s"
         else:
             state = f"{len(over)} of {len(states)} trials {states[over[0]]}"
+        figure = number(worst[label]) + (f" {unit}" if np.isfinite(worst[label]) else "")
         yield (
             f'<li style="--colour:{colours[label]}"><b>{escape(label)}</b>'
             f'<span class="law">{escape(str(dataset.law.to_numpy()[k]))}</span>'
-            f'<span class="figure">{number(float(worst[label]))} {unit}<small>RMS error, worst joint</small></span>'
+            f'<span class="figure">{figure}<small>RMS error, worst joint</small></span>'
             f'<span class="state{" is-over" if over else ""}">{escape(state)}</span></li>'
         )
 

@@ -100,6 +100,7 @@ def describe(
             "outline": [_rounded(point) for point in around.outline],
             "centre": _rounded(around.centre),
             "radius": around.radius,
+            "azimuth": around.azimuth,
             "pedestal": around.pedestal,
         },
     }

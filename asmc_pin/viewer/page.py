@@ -61,7 +61,8 @@ def player_scripts() -> str:
     bundle = (viewer / "dist" / "main.min.js").read_text(encoding="utf-8")
     return (
         f'<script type="text/plain" id="meshcat-licences">\n{_inert(licences)}\n</script>\n'
-        f"<script>{_inert(bundle)}</script>\n<script>{_inert(static('player.js'))}</script>"
+        f"<script>{_inert(bundle)}</script>\n<script>{_inert(static('scene.js'))}</script>\n"
+        f"<script>{_inert(static('player.js'))}</script>"
     )
 
 

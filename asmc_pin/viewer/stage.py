@@ -25,6 +25,7 @@ class Stage:
         outline: Points of the sweep that lie furthest out, shape (n, 3): what the camera must see.
         centre: Middle of the base on the ground, shape (2,).
         radius: Of a circle that holds the base.
+        azimuth: Direction from which it is looked at, about the vertical from the x axis, rad.
         pedestal: Height of the base's underside, where a pedestal should carry it; None where it stands on the
             ground, or where the arm moves under it.
     """
@@ -34,6 +35,7 @@ class Stage:
     outline: Array
     centre: Array
     radius: float
+    azimuth: float
     pedestal: float | None
 
     @property
@@ -68,7 +70,25 @@ def stage(arm: DrawnArm, motions: Sequence[Array]) -> Stage:
     moving = np.concatenate([points.reshape(-1, 3) for points in swept[1:]])
     in_the_way = (moving[:, 2] < under) & (np.linalg.norm(moving[:, :2] - centre, axis=1) < 1.5 * radius)
     floating = under - min(0.0, low[2]) > 0.01 * reach and not in_the_way.any()
-    return Stage(low, high, _furthest(points), centre, max(radius, 0.05 * reach), under if floating else None)
+    return Stage(
+        low=low,
+        high=high,
+        outline=_furthest(points),
+        centre=centre,
+        radius=max(radius, 0.05 * reach),
+        azimuth=_azimuth(arm, poses),
+        pedestal=under if floating else None,
+    )
+
+
+def _azimuth(arm: DrawnArm, poses: Array) -> float:
+    """From the front and a little from the side; a motion in one upright plane is looked at across that plane."""
+    axes = np.stack([poses[:, k, :3, :3] @ body.axis for k, body in enumerate(arm.bodies) if body.joint >= 0], axis=1)
+    first = axes[0, 0]
+    if np.abs(axes @ first).min() < 0.99 or abs(first[2]) > 0.3 or any(body.prismatic for body in arm.bodies):
+        return -0.62
+    front = first if first @ np.array([0.3, -1.0, 0.0]) > 0 else -first
+    return float(np.arctan2(front[1], front[0])) + 0.28
 
 
 def _furthest(points: Array) -> Array:
