@@ -1,0 +1,297 @@
+// What is seen: one arm per motion on Meshcat's scene, its ghost, the ground, the light and the camera.
+// Knows nothing of time; player.js moves it. Expects MeshCat, inlined above.
+"use strict";
+const AsmcScene = (() => {
+  const THREE = MeshCat.THREE;
+  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+
+  // A child element; its text is never read as HTML.
+  const element = (parent, tag, attributes = {}, text = "") => {
+    const made = document.createElement(tag);
+    for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+    made.textContent = text;
+    parent.append(made);
+    return made;
+  };
+
+  // One drawn arm: a chain of scene nodes, moved by joint values.
+  class ArmView {
+    constructor(viewer, name, arm, commands) {
+      this.arm = arm;
+      this.root = viewer.scene_tree.find(["replay", name]).object;
+      this.motions = [];
+      const paths = [];
+      arm.bodies.forEach((body, index) => {
+        const path = index ? paths[body.parent].concat(`joint${index}`) : ["replay", name, "base"];
+        viewer.set_transform(path, body.placement);
+        paths.push(path.concat("motion"));
+        this.motions.push(viewer.scene_tree.find(paths[index]).object);
+        if (commands[index]) {
+          // Meshcat decodes its own command; only the path is this arm's.
+          viewer.prefix = "/" + paths[index].join("/");
+          viewer.handle_command_bytearray(bytes(commands[index]));
+          viewer.prefix = "";
+        }
+      });
+      this.meshes = [];
+      this.root.traverse((object) => { if (object.isMesh) this.meshes.push(object); });
+      for (const mesh of this.meshes) mesh.receiveShadow = false;
+    }
+
+    set(q) {
+      this.arm.bodies.forEach((body, index) => {
+        if (body.joint < 0) return;
+        const node = this.motions[index];
+        const axis = new THREE.Vector3(...body.axis);
+        if (body.prismatic) node.position.copy(axis.multiplyScalar(q[body.joint]));
+        else node.quaternion.setFromAxisAngle(axis, q[body.joint]);
+      });
+    }
+
+    // Where the tip is, in the arm's base frame.
+    tip() {
+      const point = new THREE.Vector3(...this.arm.tip.point);
+      let node = this.motions[this.arm.tip.body];
+      for (; node !== this.root; node = node.parent) {
+        node.updateMatrix();
+        point.applyMatrix4(node.matrix);
+      }
+      return point;
+    }
+
+    makeGhost(colour, opacity) {
+      for (const mesh of this.meshes) {
+        mesh.castShadow = false;
+        mesh.renderOrder = 1;
+        // Pushed back a little, so that where ghost and arm coincide the arm is seen.
+        mesh.material = new THREE.MeshPhongMaterial({
+          color: colour, transparent: true, opacity, depthWrite: false, side: THREE.DoubleSide,
+          polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8,
+        });
+      }
+    }
+  }
+
+  class Stage {
+    constructor(host, data, embedded) {
+      this.host = host;
+      this.data = data;
+      const { low, high } = data.stage;
+      this.reach = Math.max(...high.map((value, k) => value - low[k]));
+      this.openViewer(embedded);
+      this.light();
+      this.populate();
+      this.arrange();
+      // Until the user turns the view, it keeps all arms in sight.
+      this.viewer.controls.addEventListener("start", () => { this.turned = true; });
+      new ResizeObserver(() => {
+        this.viewer.set_3d_pane_size();
+        if (!host.clientHeight || this.turned) return;
+        this.arrange();
+        this.resetView();
+      }).observe(host);
+    }
+
+    openViewer(embedded) {
+      const viewer = new MeshCat.Viewer(element(this.host, "div", { class: "replay-pane" }), false);
+      this.viewer = viewer;
+      viewer.gui.domElement.remove();
+      // Meshcat fills the window; here it fills its stage.
+      const resize = viewer.set_3d_pane_size.bind(viewer);
+      viewer.set_3d_pane_size = () => resize(this.host.clientWidth, this.host.clientHeight);
+      window.onload = null;
+      viewer.prefix = "";
+      const handle = viewer.handle_command.bind(viewer);
+      viewer.handle_command = (command) => handle({ ...command, path: viewer.prefix + (command.path || "") });
+      viewer.camera.fov = 32;
+      viewer.controls.enableZoom = !embedded;
+      this.canvas = viewer.renderer.domElement;
+      this.canvas.setAttribute("aria-label", "Three-dimensional view of the arms");
+    }
+
+    light() {
+      const { viewer } = this;
+      for (const name of ["PointLightNegativeX", "PointLightPositiveX", "FillLight", "SpotLight"]) {
+        viewer.set_property(["Lights", name], "visible", false);
+      }
+      viewer.set_property(["Axes"], "visible", false);
+      viewer.set_property(["Grid"], "visible", false);
+      viewer.scene_tree.find(["Lights", "AmbientLight", "<object>"]).object.intensity = 0.5;
+      this.key = new THREE.DirectionalLight(0xffffff, 0.62);
+      this.key.castShadow = true;
+      this.key.shadow.mapSize.set(2048, 2048);
+      this.key.shadow.radius = 4;
+      viewer.set_object(["Lights", "Key"], this.key);
+      const rim = new THREE.DirectionalLight(0xdfe8ff, 0.38);
+      rim.position.set(-2, 1.5, 1.2);
+      viewer.set_object(["Lights", "Rim"], rim);
+    }
+
+    populate() {
+      const { arm, commands, motions, reference, stage } = this.data;
+      this.arms = motions.map((_, k) => new ArmView(this.viewer, `arm${k}`, arm, commands));
+      this.ghosts = reference === null ? [] : motions.map((_, k) => new ArmView(this.viewer, `ghost${k}`, arm, commands));
+      for (const ghost of this.ghosts) ghost.makeGhost(0x5b9bff, 0.34);
+      this.paths = motions.map((motion, k) => this.line(`path${k}`, motion.colour, 1));
+      this.wanted = this.ghosts.map((_, k) => this.line(`wanted${k}`, "#7f8894", 0.9));
+      const labels = element(this.host, "div", { class: "replay-labels" });
+      this.labels = motions.map((motion) => {
+        const label = element(labels, "div", { class: "replay-label" });
+        label.style.setProperty("--colour", motion.colour);
+        element(label, "b", {}, motion.label);
+        return { label, value: element(label, "span") };
+      });
+      const thick = 0.016 * this.reach;
+      this.rim = 1.12 * stage.radius + 1.5 * thick;
+      const ring = new THREE.RingGeometry(this.rim - thick, this.rim, 96);
+      this.rings = motions.map((motion, k) => this.add(`ring${k}`, new THREE.Mesh(ring, new THREE.MeshBasicMaterial({ color: motion.colour }))));
+      this.pedestals = [];
+      if (stage.pedestal !== null) {
+        const block = new THREE.CylinderGeometry(0.92 * stage.radius, stage.radius, stage.pedestal - stage.ground, 64).rotateX(Math.PI / 2);
+        const material = new THREE.MeshPhongMaterial({ color: 0x9aa3ae, shininess: 8 });
+        this.pedestals = motions.map((_, k) => this.add(`pedestal${k}`, new THREE.Mesh(block, material)));
+        for (const pedestal of this.pedestals) pedestal.castShadow = true;
+      }
+    }
+
+    add(name, object) {
+      this.viewer.set_object(["replay", name], object);
+      return object;
+    }
+
+    line(name, colour, opacity) {
+      const material = new THREE.LineBasicMaterial({ color: colour, transparent: opacity < 1, opacity });
+      const line = this.add(name, new THREE.Line(new THREE.BufferGeometry(), material));
+      line.frustumCulled = false;
+      return line;
+    }
+
+    // Arms stand in rows across the line of sight; as many columns as the stage is wide for.
+    arrange() {
+      const { outline, centre, ground, pedestal, azimuth } = this.data.stage;
+      const right = [-Math.sin(azimuth), Math.cos(azimuth)], toward = [Math.cos(azimuth), Math.sin(azimuth)];
+      const span = (d) => {
+        const along = outline.map((point) => point[0] * d[0] + point[1] * d[1]);
+        return Math.max(...along, this.rim) - Math.min(...along, -this.rim);
+      };
+      const count = this.arms.length;
+      const aspect = this.host.clientWidth / Math.max(1, this.host.clientHeight);
+      const fit = Math.min(count, Math.max(1, Math.min(4, Math.round(aspect * 2.2))));
+      const rows = Math.ceil(count / fit), columns = Math.ceil(count / rows);
+      const across = 1.04 * span(right) + 0.06 * this.reach, deep = 1.3 * span(toward) + 0.15 * this.reach;
+      this.elevation = rows > 1 ? 0.5 : 0.3;
+      this.offsets = this.arms.map((_, k) => {
+        const row = Math.floor(k / columns), inRow = Math.min(columns, count - row * columns);
+        const u = (k % columns - (inRow - 1) / 2) * across, w = (row - (rows - 1) / 2) * deep;
+        return [right[0] * u + toward[0] * w, right[1] * u + toward[1] * w];
+      });
+      const upright = new THREE.Matrix4().fromArray(this.data.arm.upright);
+      this.offsets.forEach(([x, y], k) => {
+        const pose = new THREE.Matrix4().makeTranslation(x, y, 0).multiply(upright);
+        for (const object of [this.arms[k].root, this.ghosts[k]?.root, this.paths[k], this.wanted[k]]) {
+          if (object) pose.decompose(object.position, object.quaternion, object.scale);
+        }
+        this.rings[k].position.set(x + centre[0], y + centre[1], ground + 0.002 * this.reach);
+        this.pedestals[k]?.position.set(x + centre[0], y + centre[1], (ground + pedestal) / 2);
+      });
+      this.floor();
+    }
+
+    // Grid, shadows and background, in the page's light or dark colours.
+    floor() {
+      const { ground } = this.data.stage, { reach, key } = this;
+      const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+      const cell = [0.02, 0.05, 0.1, 0.25, 0.5, 1].find((c) => c > reach / 12) || 1;
+      const far = Math.max(...this.offsets.map((o) => Math.hypot(...o)), 0) + 2.2 * reach;
+      const cells = 2 * Math.ceil(far / cell);
+      const grid = new THREE.GridHelper(cells * cell, cells, dark ? 0x4a525d : 0xb7bfc9, dark ? 0x333a43 : 0xcfd5dc);
+      grid.rotateX(Math.PI / 2);
+      grid.position.z = ground;
+      this.viewer.set_object(["Floor", "grid"], grid);
+      const plane = new THREE.Mesh(new THREE.PlaneGeometry(cells * cell, cells * cell), new THREE.ShadowMaterial({ opacity: dark ? 0.4 : 0.2 }));
+      plane.position.z = ground - 0.001 * reach;
+      plane.receiveShadow = true;
+      this.viewer.set_object(["Floor", "shadow"], plane);
+      const height = far + reach;
+      key.position.set(0.9 * height, -0.5 * height, 1.7 * height);
+      Object.assign(key.shadow.camera, { left: -far, right: far, top: far, bottom: -far, near: 0.1 * height, far: 5 * height });
+      key.shadow.camera.updateProjectionMatrix();
+      const shade = (hex) => [16, 8, 0].map((shift) => ((hex >> shift) & 255) / 255);
+      this.viewer.set_property(["Background"], "top_color", shade(dark ? 0x23282f : 0xf3f5f8));
+      this.viewer.set_property(["Background"], "bottom_color", shade(dark ? 0x171a1f : 0xe3e7ec));
+      this.viewer.set_dirty();
+    }
+
+    // Paths of the tips. `shown(a)` and `wanted` are lists of joint values; the arms are left at the last of them.
+    trace(shown, wanted) {
+      const path = (arm, frames) => frames.map((q) => { arm.set(q); return arm.tip(); });
+      const put = (line, points) => {
+        line.geometry.dispose();
+        line.geometry = new THREE.BufferGeometry().setFromPoints(points);
+      };
+      this.paths.forEach((line, a) => put(line, path(this.arms[a], shown(a))));
+      if (this.ghosts.length) {
+        const points = path(this.ghosts[0], wanted);
+        for (const line of this.wanted) put(line, points);
+      }
+    }
+
+    show(objects, on) {
+      for (const object of objects) object.visible = on;
+      this.viewer.set_dirty();
+    }
+
+    // The nearest camera on the line of sight that sees all arms and their labels.
+    resetView() {
+      const { viewer, elevation, rim } = this, { outline, centre, ground, azimuth } = this.data.stage;
+      this.turned = false;
+      viewer.set_3d_pane_size();
+      const toward = new THREE.Vector3(Math.cos(azimuth) * Math.cos(elevation), Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation));
+      const right = new THREE.Vector3(-Math.sin(azimuth), Math.cos(azimuth), 0);
+      const up = new THREE.Vector3().crossVectors(toward, right);
+      const around = [0, 1, 2, 3, 4, 5, 6, 7].map((k) => k * Math.PI / 4);
+      const base = around.map((angle) => [centre[0] + rim * Math.cos(angle), centre[1] + rim * Math.sin(angle), ground]);
+      const points = this.offsets.flatMap((o) => [...outline, ...base].map((p) => new THREE.Vector3(p[0] + o[0], p[1] + o[1], p[2])));
+      const middle = new THREE.Box3().setFromPoints(points).getCenter(new THREE.Vector3());
+      const seen = points.map((point) => {
+        const p = point.sub(middle);
+        return { depth: p.dot(toward), x: p.dot(right), y: p.dot(up) };
+      });
+      // Tangents of the free angles: a rim all round, and room below for the labels.
+      const tall = Math.tan(THREE.MathUtils.degToRad(viewer.camera.fov / 2));
+      const above = tall * (1 - 2 * 14 / this.host.clientHeight), below = tall * (1 - 2 * 62 / this.host.clientHeight);
+      const beside = 0.95 * tall * viewer.camera.aspect;
+      // At a target x to the side, left and right need these distances; both are least where they are equal. So too for y.
+      const need = (value, tangent) => Math.max(...seen.map((p) => p.depth + value(p) / tangent));
+      const x = (need((p) => p.x, beside) - need((p) => -p.x, beside)) * beside / 2;
+      const y = (need((p) => p.y, above) - need((p) => -p.y, below)) * above * below / (above + below);
+      const distance = Math.max(need((p) => Math.abs(p.x - x), beside), need((p) => p.y - y, above), need((p) => y - p.y, below));
+      middle.addScaledVector(right, x).addScaledVector(up, y);
+      // Meshcat's camera lives in three.js axes: y up.
+      const swap = (v) => new THREE.Vector3(v.x, v.z, -v.y);
+      Object.assign(viewer.camera, { near: distance / 200, far: 40 * distance });
+      viewer.controls.target.copy(swap(middle));
+      viewer.camera.position.copy(swap(middle.clone().addScaledVector(toward, distance)));
+      viewer.controls.update();
+      viewer.set_dirty();
+    }
+
+    render() {
+      if (!this.viewer.needs_render) return;
+      this.viewer.render();
+      const { clientWidth, clientHeight } = this.host, { centre, ground } = this.data.stage, { camera } = this.viewer;
+      this.labels.forEach(({ label }, k) => {
+        // In front of the ring, as the camera stands.
+        const x = this.offsets[k][0] + centre[0], y = this.offsets[k][1] + centre[1];
+        const dx = camera.position.x - x, dy = -camera.position.z - y, step = this.rim / (Math.hypot(dx, dy) || 1);
+        const point = new THREE.Vector3(x + step * dx, ground, -(y + step * dy)).project(camera);
+        label.hidden = point.z > 1;
+        const half = label.offsetWidth / 2 + 4;
+        const left = Math.min(Math.max((point.x + 1) / 2 * clientWidth, half), clientWidth - half);
+        label.style.transform = `translate(-50%, 5px) translate(${left.toFixed(1)}px, ${((1 - point.y) / 2 * clientHeight).toFixed(1)}px)`;
+      });
+    }
+  }
+
+  return { Stage, bytes, element };
+})();
