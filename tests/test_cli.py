@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+from short_experiment import SHORT
 
 from asmc_pin.cli import main
 
@@ -12,30 +13,6 @@ UR5 = (
     "0.14832641607830951,0.16745534835366926,0.15042781767398009,"
     "0.08106526290068174,0.09334419114818981,0.017136950741091284"
 )
-
-SHORT = """
-name = "short"
-arm = "two_link"
-period = 0.001
-duration = 0.2
-[plant]
-friction = { coulomb = 1.0, viscous = 0.1 }
-[reference]
-kind = "multisine"
-offset = [0.3, 0.2]
-amplitude = [[0.2], [0.2]]
-frequency = [[0.5], [0.5]]
-[defaults]
-mbar = 0.01
-ks = 5.0
-beta = 5.0
-[controllers.PPC]
-law = "ppc"
-[controllers.Wild]
-law = "ppc"
-beta = 900.0
-ks = 900.0
-"""
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ import venv
 from pathlib import Path
 
 import pytest
+from short_experiment import SHORT
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -25,9 +26,10 @@ def installed(tmp_path_factory):
     python = work / "env" / "bin" / "python"
     install = [*pip, "--python", str(python), "install", "--quiet", "--no-index", "--no-deps", str(wheel)]
     subprocess.run(install, check=True, timeout=300)
-    # A plain path in a .pth file is searched, but .pth files inside it (the editable install) are not read.
+    # What is installed, without the checkout that an editable install adds: .pth files are not read a second time.
     site = next((work / "env" / "lib").glob("python*/site-packages"))
-    (site / "dependencies.pth").write_text(sysconfig.get_paths()["purelib"] + "\n")
+    here = Path(sysconfig.get_paths()["purelib"])
+    (site / "dependencies.pth").write_text("\n".join(p for p in sys.path if Path(p).is_relative_to(here)) + "\n")
     return work / "env" / "bin" / "asmc-pin"
 
 
@@ -56,26 +58,7 @@ def test_the_wheel_carries_arms_and_experiments(installed, tmp_path):
 
 def test_the_wheel_compares(installed, tmp_path):
     experiment = tmp_path / "short.toml"
-    experiment.write_text(
-        """
-name = "short"
-arm = "two_link"
-period = 0.001
-duration = 0.05
-[plant]
-friction = { coulomb = 1.0, viscous = 0.1 }
-[reference]
-kind = "quintic"
-times = [0.0, 0.05]
-points = [[0.3, 0.2], [0.31, 0.21]]
-[defaults]
-mbar = 0.01
-ks = 5.0
-beta = 5.0
-[controllers.PPC]
-law = "ppc"
-"""
-    )
+    experiment.write_text(SHORT)
     done = run(installed, "compare", str(experiment), cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "results" / "short" / "report.html").stat().st_size > 100_000
