@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from asmc_pin.arms import Arm as Arm
     from asmc_pin.arms import load_arm as load_arm
     from asmc_pin.condition import ConditionReport as ConditionReport
+    from asmc_pin.condition import DesignReport as DesignReport
+    from asmc_pin.condition import design as design
     from asmc_pin.condition import lemma1_norm as lemma1_norm
     from asmc_pin.condition import verify as verify
     from asmc_pin.controllers import CONTROLLERS as CONTROLLERS
@@ -35,6 +37,7 @@ _HOME = {
     "CONTROLLERS": "controllers",
     "Comparison": "study",
     "ConditionReport": "condition",
+    "DesignReport": "condition",
     "Controller": "controllers",
     "Experiment": "experiment",
     "Plant": "plant",
@@ -42,6 +45,7 @@ _HOME = {
     "Sample": "controllers",
     "Setpoint": "controllers",
     "compare": "study",
+    "design": "condition",
     "lemma1_norm": "condition",
     "load_arm": "arms",
     "load_experiment": "experiment",
@@ -55,6 +59,8 @@ __all__ = [  # noqa: RUF022 - grouped as design and docs do
     "ConditionReport",
     "lemma1_norm",
     "verify",
+    "DesignReport",
+    "design",
     "CONTROLLERS",
     "Controller",
     "Sample",

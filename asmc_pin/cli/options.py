@@ -126,6 +126,18 @@ def parse_box(items: Iterable[str] | None) -> dict[str, Range] | None:
     return box or None
 
 
+def parse_bounds(items: Iterable[str] | None) -> dict[str, tuple[float | None, float | None]] | None:
+    """``--bounds joint=lo:hi`` items as {joint: (lo, hi)}; an end left empty is no bound."""
+    bounds: dict[str, tuple[float | None, float | None]] = {}
+    for joint, text in assignments(items, "--bounds", "JOINT=LO:HI").items():
+        ends = text.split(":")
+        if len(ends) != 2:
+            raise ParameterError("--bounds", f"'{joint}={text}' is not of the form JOINT=LO:HI")
+        low, high = (number(end, "--bounds") if end.strip() else None for end in ends)
+        bounds[joint] = (low, high)
+    return bounds or None
+
+
 def parse_payload(text: str | None) -> float | Range | None:
     """``--payload`` as a mass or a range of masses, kg."""
     return None if text is None else value_or_range(text, "--payload")

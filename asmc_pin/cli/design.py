@@ -1,0 +1,142 @@
+"""`asmc-pin design` and `asmc-pin stability`: the best M̄, and the gains that a sampled loop bears."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, TypeAlias
+
+import typer
+
+from asmc_pin.cli.app import app
+from asmc_pin.cli.options import (
+    ArmArgument,
+    ArmatureOption,
+    BoxOption,
+    ConditionOption,
+    GravityOption,
+    JsonOption,
+    LockOption,
+    MbarOption,
+    PayloadOption,
+    note,
+    number,
+    open_domain,
+    parse_bounds,
+    parse_box,
+    per_joint,
+    print_json,
+)
+from asmc_pin.errors import ParameterError
+
+AccelerationOption: TypeAlias = Annotated[
+    str, typer.Option("--acceleration", metavar="velocity|position", help="How q̈(t−L) is estimated.")
+]
+FilterOption: TypeAlias = Annotated[
+    float | None, typer.Option("--filter-hz", metavar="HZ", help="First-order low-pass on that estimate.")
+]
+DelayOption: TypeAlias = Annotated[
+    float, typer.Option("--delay", metavar="PERIODS", help="Transport delay of the torque, fractions allowed.")
+]
+
+
+@app.command()
+def design(
+    arm: ArmArgument,
+    condition: ConditionOption = "lemma1",
+    objective: Annotated[
+        str,
+        typer.Option(
+            metavar="contraction|bandwidth", help="Least norm, or the fastest estimate that the condition allows."
+        ),
+    ] = "contraction",
+    form: Annotated[str, typer.Option(metavar="diagonal|scalar", help="One m̄ per joint, or one for all.")] = "diagonal",
+    bounds: Annotated[
+        list[str] | None,
+        typer.Option(metavar="JOINT=LO:HI", help="Least and largest m̄ of a joint, kg·m². Repeatable."),
+    ] = None,
+    level: Annotated[float | None, typer.Option(help="Largest norm that the bandwidth objective may use.")] = None,
+    gains: Annotated[bool, typer.Option("--gains", help="Also β and K_s with margins; needs --period.")] = False,
+    period: Annotated[str | None, typer.Option(metavar="S", help="Control period for --gains.")] = None,
+    acceleration: AccelerationOption = "velocity",
+    filter_hz: FilterOption = None,
+    delay: DelayOption = 0.0,
+    seed: Annotated[int, typer.Option(min=0, help="Of the searches.")] = 0,
+    box: BoxOption = None,
+    payload: PayloadOption = None,
+    armature: ArmatureOption = None,
+    lock: LockOption = None,
+    gravity: GravityOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Find the M̄ of least contraction, or of the fastest estimate. Exit status 1 when none satisfies the condition."""
+    from asmc_pin.condition import design as run
+
+    if gains and period is None:
+        raise ParameterError("--gains", "needs the control period: add --period 0.001, in seconds")
+    loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
+    options: dict[str, Any] = {"condition": condition, "objective": objective, "form": form, "level": level}
+    found = run(loaded, **options, bounds=parse_bounds(bounds), box=parse_box(box), seed=seed, **domain)
+    content, lines = found.to_json_dict(), found.explanation()
+    if gains and found.mbar is not None:
+        from asmc_pin.condition.gains import suggest_gains
+
+        if domain:
+            note("the gains are for the arm as it is, without the ranges")
+        suggested = suggest_gains(
+            loaded,
+            found.mbar,
+            number(str(period), "--period"),
+            acceleration=acceleration,  # type: ignore[arg-type]
+            filter_hz=filter_hz,
+            delay=delay,
+            box=parse_box(box),
+        )
+        content["gains"] = suggested.to_json_dict()
+        lines = [*lines, *suggested.lines()]
+    if as_json:
+        print_json(content)
+    else:
+        typer.echo("\n".join(lines))
+    raise typer.Exit(1 if found.verdict in ("violated", "infeasible") else 0)
+
+
+@app.command()
+def stability(
+    arm: ArmArgument,
+    mbar: MbarOption,
+    ks: Annotated[str, typer.Option(metavar="K1,K2,…", help="Diagonal of K_s, 1/s, or one value for all joints.")],
+    beta: Annotated[str, typer.Option(metavar="B", help="β, 1/s.")],
+    period: Annotated[str, typer.Option(metavar="S", help="Control period L.")],
+    acceleration: AccelerationOption = "velocity",
+    filter_hz: FilterOption = None,
+    delay: DelayOption = 0.0,
+    box: BoxOption = None,
+    payload: PayloadOption = None,
+    armature: ArmatureOption = None,
+    lock: LockOption = None,
+    gravity: GravityOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Analyse the sampled loop, frozen over the workspace. Exit status 1 when it is unstable somewhere."""
+    from asmc_pin.condition.stability import stability as run
+
+    loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
+    if domain:
+        raise ParameterError(
+            f"--{next(iter(domain))}", "one value expected here, not a range: a frozen loop is not affine in it"
+        )
+    report = run(
+        loaded,
+        per_joint(mbar, "--mbar"),
+        per_joint(ks, "--ks"),
+        number(beta, "--beta"),
+        number(period, "--period"),
+        acceleration=acceleration,  # type: ignore[arg-type]
+        filter_hz=filter_hz,
+        delay=delay,
+        box=parse_box(box),
+    )
+    if as_json:
+        print_json(report.to_json_dict())
+    else:
+        typer.echo("\n".join(report.lines()))
+    raise typer.Exit(0 if report.stable else 1)
