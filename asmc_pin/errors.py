@@ -77,3 +77,32 @@ class ResultError(AsmcPinError):
     def __init__(self, path: str | Path, message: str) -> None:
         super().__init__(message)
         self.path = str(path)
+
+
+class MissingDependencyError(AsmcPinError):
+    """A package that only some users need is not installed.
+
+    Attributes:
+        package: Its name.
+        extra: The extra of this package that brings it.
+    """
+
+    def __init__(self, package: str, extra: str, purpose: str) -> None:
+        super().__init__(
+            f"{package} is not installed ({purpose}); install it with: pip install 'asmc-pin[{extra}]', "
+            f"or pip install {package}"
+        )
+        self.package = package
+        self.extra = extra
+
+
+class NotComparableError(AsmcPinError):
+    """An independent engine refuses a URDF that this package takes.
+
+    Attributes:
+        source: The URDF.
+    """
+
+    def __init__(self, source: str | Path, message: str) -> None:
+        super().__init__(message)
+        self.source = str(source)

@@ -22,6 +22,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "resources": set(),
     "arms": {"resources"},
     "controllers": set(),
+    "agreement": {"arms"},
     "baselines": {"arms", "controllers"},  # laws that may know the arm, to compare with
     "references": {"controllers"},
     "condition": {"arms", "controllers", "references"},
@@ -48,6 +49,7 @@ HOME = {
     "cvxpy": {"condition"},
     "pydantic": {"experiment"},
     "optuna": {"study"},
+    "mujoco": {"agreement"},
     "typer": {"cli"},
 }
 
