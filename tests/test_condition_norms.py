@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from asmc_pin import load_arm
 from asmc_pin.condition import kernels, lemma1_norm, weighted_norm
 from asmc_pin.condition.kernels_chain import chain_of
-from asmc_pin.condition.search import evaluate
+from asmc_pin.condition.sampling import evaluate
 from asmc_pin.errors import NotPositiveDefinite, ParameterError
 
 KINDS = (kernels.LEMMA1, kernels.WEIGHTED, kernels.LEMMA1_SCALE, kernels.WEIGHTED_SCALE, kernels.BANDWIDTH)

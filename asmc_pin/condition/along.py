@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.condition.box import resolve_box
 from asmc_pin.condition.lemma1 import Condition
-from asmc_pin.condition.search import NORM, Domain, evaluate, maximise
+from asmc_pin.condition.search import NORM, Domain, Found, evaluate, maximise
 from asmc_pin.condition.variants import Case
 from asmc_pin.errors import ParameterError
 
@@ -69,7 +70,7 @@ def motion_of(along: Any, nv: int, *, period: float | None = None, duration: flo
         ParameterError: Another number of joints, or a motion that never ends and no duration.
     """
     if hasattr(along, "time") and hasattr(along, "q"):
-        motion = Motion(np.asarray(along.time), np.asarray(along.q), "recorded data")
+        motion = Motion(np.asarray(along.time), np.asarray(along.q), getattr(along, "name", "recorded data"))
     else:
         name = getattr(along, "name", None)
         if hasattr(along, "build_reference"):
@@ -157,13 +158,11 @@ def tube(motion: Motion, width: float | Sequence[float] | Array, slices: int = 5
 
 def worst_in_tube(
     case: Case, mbar: Array, condition: Condition, slices: Sequence[Slice], *, samples: int, starts: int, seed: int
-) -> tuple[Array, list[Any]]:
-    """Search every slice of a tube; the norms, shape (slices,), and what was found in each."""
-    from asmc_pin.condition.box import resolve_box
-
+) -> list[Found]:
+    """Search every slice of a tube, each with its own samples; what was found in each."""
     found = []
     for part in slices:
         box = resolve_box(case.domain.arm, (part.lower, part.upper))
         domain = Domain(case.domain.arm, box, case.domain.armature_lower, case.domain.armature_upper)
         found.append(maximise(NORM[condition], domain, mbar, samples=samples, starts=starts, seed=seed))
-    return np.array([item.value for item in found]), found
+    return found

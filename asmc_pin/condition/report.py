@@ -38,6 +38,7 @@ class ConditionReport:
         times: Along a motion: times, shape (T,), s; else None.
         norms: Along a motion: the norm at each time, shape (T,); the largest over the ranges.
         worst_time: Along a motion: time of `lower`, s.
+        tde_error: Along recorded data with torque: the TDE error that M̄ would have made; see `tde_error`.
         scale_proven: The condition is proven for M̄ times this; None unless asked for.
         scale_refuted: A counter-example was found for M̄ times this; None unless asked for.
         scope: Over what: ``box``, ``motion`` or ``tube``.
@@ -65,6 +66,7 @@ class ConditionReport:
     times: Array | None = field(default=None, repr=False)
     norms: Array | None = field(default=None, repr=False)
     worst_time: float | None = None
+    tde_error: Array | None = field(default=None, repr=False)
     scale_proven: float | None = None
     scale_refuted: float | None = None
     scope: Literal["box", "motion", "tube"] = "box"

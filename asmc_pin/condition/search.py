@@ -5,25 +5,20 @@ A search gives a value that some configuration really has. It refutes; it never 
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.stats import qmc
 
 from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.condition import kernels, kernels_climb
-from asmc_pin.condition.box import Box, BoxLike, resolve_box
-from asmc_pin.condition.kernels_chain import Chain, chain_of
+from asmc_pin.condition.box import BoxLike
 from asmc_pin.condition.lemma1 import Condition, check_condition, check_mbar
-from asmc_pin.errors import NotPositiveDefinite, ParameterError
+from asmc_pin.condition.sampling import NORM, SCALE, Domain, domain_of, evaluate, sample_box
+from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
-
-NORM = {"lemma1": kernels.LEMMA1, "weighted": kernels.WEIGHTED}
-SCALE = {"lemma1": kernels.LEMMA1_SCALE, "weighted": kernels.WEIGHTED_SCALE}
 
 GUIDES = {
     kernels.LEMMA1: (kernels.LEMMA1_SCALE, kernels.WEIGHTED_SCALE, kernels.BANDWIDTH),
@@ -40,29 +35,6 @@ and hides the second, narrow and higher, from the samples and from every climb t
 
 SAMPLES = 2**15
 STARTS = 64
-_CHUNK = 4096
-
-
-@dataclass(frozen=True, eq=False)
-class Domain:
-    """All that a search varies on one arm: the joint box, and the armature within a range.
-
-    Attributes:
-        arm: The arm; its own armature is replaced by the range.
-        box: The joint box.
-        armature_lower: Shape (nv,), kg·m².
-        armature_upper: Shape (nv,), kg·m².
-    """
-
-    arm: Arm
-    box: Box
-    armature_lower: Array
-    armature_upper: Array
-
-    @property
-    def chain(self) -> Chain:
-        """The compiled form of the arm."""
-        return chain_of(self.arm)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,76 +60,6 @@ class Found:
     maxima: Array
     maxima_q: Array
     maxima_armature: Array
-
-
-def domain_of(arm: Arm, box: BoxLike = None) -> Domain:
-    """The domain of one arm as it is, without ranges of armature."""
-    return Domain(arm, resolve_box(arm, box), arm.armature, arm.armature)
-
-
-def sample_box(box: Box, count: int, seed: int) -> Array:
-    """Scrambled Sobol points of a box; joints that do not matter stay at its centre.
-
-    Args:
-        box: The box.
-        count: How many points.
-        seed: Of the scrambling; the same seed gives the same points.
-
-    Returns:
-        Shape (count, nv).
-    """
-    q = np.tile(box.centre, (count, 1))
-    free = np.flatnonzero(box.free)
-    if free.size:
-        q[:, free] = box.lower[free] + _sobol(free.size, count, seed) * (box.upper - box.lower)[free]
-    return q
-
-
-def _sobol(dimension: int, count: int, seed: int) -> Array:
-    exponent = max(count - 1, 1).bit_length()
-    points: Array = qmc.Sobol(dimension, seed=seed).random_base2(exponent)[:count]
-    return points
-
-
-def evaluate(kind: int, arm: Arm, q: Array, mbar: Array, armature: Array | None = None, threads: int = 1) -> Array:
-    """A figure of the condition at many configurations, by the compiled kernel.
-
-    Args:
-        kind: `kernels.LEMMA1` and its fellows.
-        arm: The arm.
-        q: Shape (count, nv).
-        mbar: Diagonal of M̄, shape (nv,).
-        armature: In place of the arm's own, shape (nv,) or (count, nv).
-        threads: Worker threads; the kernels release the interpreter's lock.
-
-    Returns:
-        Shape (count,).
-
-    Raises:
-        NotPositiveDefinite: M(q) is not positive definite at one of them.
-    """
-    chain = chain_of(arm)
-    q = np.ascontiguousarray(q)
-    # Copies, because a read-only array is another type to the compiler and would compile everything again.
-    added = np.array(np.atleast_2d(arm.armature if armature is None else armature), order="C")
-    mbar = np.array(mbar)
-    out = np.empty(len(q))
-
-    def run(start: int) -> None:
-        part = slice(start, start + _CHUNK)
-        kernels.figures(kind, chain, added if len(added) == 1 else added[part], q[part], mbar, out[part])
-
-    if threads == 1 or len(q) <= _CHUNK:
-        for start in range(0, len(q), _CHUNK):
-            run(start)
-    else:
-        with ThreadPoolExecutor(threads) as pool:
-            list(pool.map(run, range(0, len(q), _CHUNK)))
-    bad = np.flatnonzero(np.isnan(out))
-    if bad.size:
-        mass = arm.mass_matrix(q[bad[0]])
-        raise NotPositiveDefinite((int(bad[0]),), float(np.linalg.eigvalsh(mass)[0]))
-    return out
 
 
 def maximise(

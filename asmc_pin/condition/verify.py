@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.along import motion_of, norms_along, tube, worst_in_tube
+from asmc_pin.condition.along import Motion, motion_of, norms_along, tube, worst_in_tube
 from asmc_pin.condition.box import BoxLike
 from asmc_pin.condition.lemma1 import Condition, check_condition, check_mbar
+from asmc_pin.condition.recorded import Recording, read_recording, tde_error
 from asmc_pin.condition.report import ConditionReport
 from asmc_pin.condition.search import NORM, SAMPLES, STARTS, maximise
 from asmc_pin.condition.variants import ArmatureRange, Case, LockChoices, PayloadRange, cases
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
+
+Scope = Literal["box", "motion", "tube"]
 
 
 class _Seen(NamedTuple):
@@ -28,6 +32,19 @@ class _Seen(NamedTuple):
     armature: Array
     label: str
     when: float | None
+
+
+class _Outcome(NamedTuple):
+    """What was seen over all cases: the norms at every sample, and along a motion the largest at each time."""
+
+    scope: Scope
+    seen: list[_Seen]
+    cloud: Array
+    configurations: int
+    ends: tuple[Array, Array]
+    method: str
+    times: Array | None = None
+    norms: Array | None = None
 
 
 def verify(
@@ -62,10 +79,13 @@ def verify(
         payload: A payload, or a tuple of two: every mass between (same centre) is covered by its ends.
         armature: Values, or ranges as (lo, hi), covered by their ends; see `ArmatureRange`.
         lock: Joint to angle or to several angles, each of which is verified.
-        along: An experiment, a reference or recorded data: the norm along it in place of the whole box.
+        along: An experiment, a reference, or recorded data (a `Recording`, or the path of its CSV file): the norm along
+            it in place of the whole box. Recorded torque also gives the TDE error that M̄ would have made, on the
+            first of the arms where there are ranges.
         tube_width: With `along`: also every configuration within this of the motion in the same time slice, rad (m).
         slices: Time slices of the tube.
-        period: Spacing along a reference, s; default the experiment's, else 1 ms.
+        period: Spacing along a reference, and L of the TDE error, s; default the experiment's, else 1 ms, and the
+            spacing of recorded data.
         duration: How long to follow the reference, s; default the experiment's, else its own.
         samples: Samples of the box (over all slices together in a tube).
         starts: Local climbs.
@@ -85,51 +105,21 @@ def verify(
     all_cases = cases(arm, box, payload, armature, lock)
     first = all_cases[0].domain
     values = check_mbar(mbar, first.arm.nv)
-    seen: list[_Seen] = []
-    times = norms = None
-    configurations = 0
+    error = None
     if along is None:
-        scope = "box"
-        clouds = []
-        for case in all_cases:
-            found = maximise(
-                NORM[condition], case.domain, values, samples=samples, starts=starts, seed=seed, threads=threads
-            )
-            seen.append(_Seen(found.value, found.q, found.armature, case.label, None))
-            configurations += found.configurations
-            clouds.append(found.samples)
-        cloud = np.concatenate(clouds)
-        ends = first.box.lower, first.box.upper
-        method = [f"{samples} scrambled Sobol samples of the joint box, and local maximisation from {starts} of them"]
+        outcome = _over_box(all_cases, values, condition, samples, starts, seed, threads)
     else:
+        if isinstance(along, str | Path):
+            along = read_recording(along, first.arm)
         motion = motion_of(along, first.arm.nv, period=period, duration=duration)
         if tube_width is None:
-            scope = "motion"
-            tracks = [_along_motion(case, values, condition, motion.times, motion.q) for case in all_cases]
-            seen = [track[0] for track in tracks]
-            times, norms = motion.times, np.max([track[1] for track in tracks], axis=0)
-            cloud, configurations = norms, len(motion.times) * len(all_cases)
-            ends = motion.q.min(axis=0), motion.q.max(axis=0)
-            method = [f"the norm at {len(motion.times)} instants of {motion.name}"]
+            outcome = _along_motion(all_cases, values, condition, motion)
         else:
-            scope = "tube"
-            parts = tube(motion, tube_width, slices)
-            each = max(256, samples // len(parts))
-            clouds, tops = [], []
-            for case in all_cases:
-                top, all_found = worst_in_tube(
-                    case, values, condition, parts, samples=each, starts=max(8, starts // 4), seed=seed
-                )
-                tops.append(top)
-                at = int(np.argmax(top))
-                seen.append(_Seen(float(top[at]), all_found[at].q, all_found[at].armature, case.label, parts[at].start))
-                configurations += sum(item.configurations for item in all_found)
-                clouds += [item.samples for item in all_found]
-            cloud = np.concatenate(clouds)
-            times, norms = np.array([part.start for part in parts]), np.max(tops, axis=0)
-            ends = np.min([p.lower for p in parts], axis=0), np.max([p.upper for p in parts], axis=0)
-            method = [f"{each} samples and local maximisation in each of {len(parts)} time slices around {motion.name}"]
-    worst = max(seen, key=lambda item: item.norm)
+            reach = (tube_width, slices)
+            outcome = _in_tube(all_cases, values, condition, motion, reach, samples, starts, seed)
+        if isinstance(along, Recording) and along.torque is not None:
+            error = tde_error(first.arm, values, along, period=period)
+    worst = max(outcome.seen, key=lambda item: item.norm)
     return ConditionReport(
         arm=arm.name,
         sha256=arm.sha256,
@@ -141,38 +131,102 @@ def verify(
         lower=worst.norm,
         upper=None,
         worst_q=worst.q,
-        configurations=configurations,
+        configurations=outcome.configurations,
         seconds=time.perf_counter() - began,
-        box=ends,
-        smallest=float(cloud.min()),
+        box=outcome.ends,
+        smallest=float(outcome.cloud.min()),
         worst_armature=worst.armature,
-        samples=cloud,
-        notes=tuple(_notes(all_cases, condition, worst.norm, scope)),
+        samples=outcome.cloud,
+        notes=tuple(_notes(all_cases, condition, worst.norm, outcome.scope)),
         worst_case=worst.label,
-        times=times,
-        norms=norms,
+        times=outcome.times,
+        norms=outcome.norms,
         worst_time=worst.when,
-        scope=scope,  # type: ignore[arg-type]
-        method=tuple(method),
+        tde_error=error,
+        scope=outcome.scope,
+        method=(outcome.method,),
     )
 
 
-def _along_motion(case: Case, mbar: Array, condition: Condition, times: Array, q: Array) -> tuple[_Seen, Array]:
-    domain = case.domain
-    norms, armature = norms_along(domain.arm, mbar, condition, q, domain.armature_lower, domain.armature_upper)
-    at = int(np.argmax(norms))
-    return _Seen(float(norms[at]), q[at], armature[at], case.label, float(times[at])), norms
+def _over_box(
+    all_cases: Sequence[Case], mbar: Array, condition: Condition, samples: int, starts: int, seed: int, threads: int
+) -> _Outcome:
+    options = {"samples": samples, "starts": starts, "seed": seed, "threads": threads}
+    found = [maximise(NORM[condition], case.domain, mbar, **options) for case in all_cases]
+    box = all_cases[0].domain.box
+    return _Outcome(
+        "box",
+        [_Seen(f.value, f.q, f.armature, case.label, None) for f, case in zip(found, all_cases, strict=True)],
+        np.concatenate([f.samples for f in found]),
+        sum(f.configurations for f in found),
+        (box.lower, box.upper),
+        f"{samples} scrambled Sobol samples of the joint box, and local maximisation from {starts} and more starts",
+    )
 
 
-def _notes(all_cases: list[Case], condition: Condition, norm: float, scope: str) -> list[str]:
+def _along_motion(all_cases: Sequence[Case], mbar: Array, condition: Condition, motion: Motion) -> _Outcome:
+    seen, tracks = [], []
+    for case in all_cases:
+        domain = case.domain
+        ends = domain.armature_lower, domain.armature_upper
+        norms, armature = norms_along(domain.arm, mbar, condition, motion.q, *ends)
+        at = int(np.argmax(norms))
+        seen.append(_Seen(float(norms[at]), motion.q[at], armature[at], case.label, float(motion.times[at])))
+        tracks.append(norms)
+    largest = np.max(tracks, axis=0)
+    return _Outcome(
+        "motion",
+        seen,
+        np.concatenate(tracks),
+        motion.times.size * len(all_cases),
+        (motion.q.min(axis=0), motion.q.max(axis=0)),
+        f"the norm at {motion.times.size} instants of {motion.name}",
+        motion.times,
+        largest,
+    )
+
+
+def _in_tube(
+    all_cases: Sequence[Case],
+    mbar: Array,
+    condition: Condition,
+    motion: Motion,
+    reach: tuple[float | Sequence[float] | Array, int],
+    samples: int,
+    starts: int,
+    seed: int,
+) -> _Outcome:
+    parts = tube(motion, *reach)
+    each = max(256, samples // len(parts))
+    seen, tops, clouds, configurations = [], [], [], 0
+    for case in all_cases:
+        found = worst_in_tube(case, mbar, condition, parts, samples=each, starts=max(8, starts // 4), seed=seed)
+        tops.append([item.value for item in found])
+        at = int(np.argmax(tops[-1]))
+        seen.append(_Seen(tops[-1][at], found[at].q, found[at].armature, case.label, parts[at].start))
+        configurations += sum(item.configurations for item in found)
+        clouds += [item.samples for item in found]
+    return _Outcome(
+        "tube",
+        seen,
+        np.concatenate(clouds),
+        configurations,
+        (np.min([part.lower for part in parts], axis=0), np.max([part.upper for part in parts], axis=0)),
+        f"{each} samples and local maximisation in each of {len(parts)} time slices around {motion.name}",
+        np.array([part.start for part in parts]),
+        np.max(tops, axis=0),
+    )
+
+
+def _notes(all_cases: Sequence[Case], condition: Condition, norm: float, scope: Scope) -> list[str]:
     domain = all_cases[0].domain
     arm, box = domain.arm, domain.box
     notes = []
-    idle = [name for name, idles in zip(arm.joint_names, box.idle, strict=True) if idles]
+    idle = [f"'{name}'" for name, idles in zip(arm.joint_names, box.idle, strict=True) if idles]
     if scope != "motion" and idle:
-        names = ", ".join(f"'{name}'" for name in idle)
+        names = ", ".join(idle)
         notes.append(
-            f"M(q) does not depend on joint {names}, which carries the whole arm; it is held at the middle of its range"
+            f"M(q) does not depend on {names}, which carries the whole arm; it is held at the middle of its range"
         )
     if condition == "lemma1" and len(set(arm.joint_kinds)) > 1:
         notes.append(
