@@ -14,7 +14,7 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.box import Box, BoxLike, resolve_box
-from asmc_pin.condition.search import sample_box
+from asmc_pin.condition.sampling import sample_box
 from asmc_pin.condition.stability.linear_map import inertia_ratios, spectral_radius
 from asmc_pin.condition.stability.loop import SampledLoop
 from asmc_pin.errors import ParameterError
