@@ -47,7 +47,9 @@ def figure(name, rollout, **settings):
 
 def test_rms_of_a_sine_error_over_whole_periods_is_its_amplitude_over_root_two():
     t = np.arange(1000) * L
-    assert figure("rms_error", run(1000, q=0.3 * np.sin(2 * np.pi * 5 * t))) == pytest.approx(0.3 / np.sqrt(2), rel=1e-12)
+    assert figure("rms_error", run(1000, q=0.3 * np.sin(2 * np.pi * 5 * t))) == pytest.approx(
+        0.3 / np.sqrt(2), rel=1e-12
+    )
 
 
 def test_errors_are_taken_between_reference_and_position():

@@ -23,6 +23,8 @@ def table_problems(error: ValidationError) -> list[Problem]:
     """Pydantic's findings in our words: the key's path, what was given, the nearest known key."""
     problems = []
     for item in error.errors(include_url=False):
+        if item["loc"] == ("controllers", "law"):
+            continue  # `controller_problems` knows what was meant
         path, model = _locate(item["loc"])
         last = str(item["loc"][-1]) if item["loc"] else ""
         given = item["input"]
@@ -73,7 +75,7 @@ def reference_problems(table: Any, folder: Path) -> tuple[Any, list[Problem]]:
     if "kind" not in table:
         return None, [Problem("reference.kind", f"is missing; one of {', '.join(REFERENCES)}")]
     kind = table["kind"]
-    if kind not in REFERENCES:
+    if not isinstance(kind, str) or kind not in REFERENCES:
         return None, [Problem("reference.kind", f"there is no kind {kind!r}: {nearest(str(kind), REFERENCES)}")]
     cls = REFERENCES[kind]
     signature = Signature(cls)
@@ -119,6 +121,8 @@ def controller_problems(data: Mapping[str, Any], folder: Path) -> tuple[dict[str
         values |= {key: value for key, value in table.items() if key != "law"}
         if signature.takes("period"):
             values["period"] = data.get("period")
+        if len({len(values[key]) for key in values if _is_list(signature, key, values[key])}) > 1:
+            continue  # one of them does not fit the arm; told when the arm is known, with its joints
         made[label], found = construct(law, values, path)
         problems += [_where_it_stands(item, path, table, defaults) for item in found]
     problems += _default_problems(defaults, signatures)
@@ -182,15 +186,19 @@ def plant_size_problems(tables: ExperimentTables, arm: Arm) -> list[Problem]:
     return _wrong_sizes(given, arm)
 
 
-def controller_size_problems(tables: ExperimentTables, arm: Arm, laws: Mapping[str, Any]) -> list[Problem]:
+def controller_size_problems(tables: ExperimentTables, folder: Path, arm: Arm) -> list[Problem]:
     """Lists of the controllers whose length is not the number of the arm's joints."""
-    signatures = {label: Signature(type(law)) for label, law in laws.items()}
+    signatures = {label: Signature(load_law(table["law"], folder)) for label, table in tables.controllers.items()}
     shared = [name for name in tables.defaults if any(item.per_joint(name) for item in signatures.values())]
     given = [(f"defaults.{name}", tables.defaults[name]) for name in shared]
     for label, table in tables.controllers.items():
         own = [name for name in table if signatures[label].per_joint(name)]
         given += [(f"controllers.{label}.{name}", table[name]) for name in own]
     return _wrong_sizes(given, arm)
+
+
+def _is_list(signature: Signature, name: str, value: Any) -> bool:
+    return signature.per_joint(name) and isinstance(value, list)
 
 
 def _wrong_sizes(given: Sequence[tuple[str, Any]], arm: Arm) -> list[Problem]:
@@ -211,7 +219,7 @@ def fail(problems: Sequence[Problem], origin: str) -> None:
     """Raise an `ExperimentError` that lists all problems, one for each key; nothing if there is none."""
     if not problems:
         return
-    problems = list({item.key: item for item in reversed(problems)}.values())[::-1]
+    problems = [item for i, item in enumerate(problems) if item.key not in {other.key for other in problems[:i]}]
     lines = [f"{item.key}: {item.message}" if item.key else item.message for item in problems]
     text = f"{origin}: {lines[0]}" if len(lines) == 1 else "\n  ".join([f"{origin}: {len(lines)} mistakes", *lines])
     error = ExperimentError("", text)

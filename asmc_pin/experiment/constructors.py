@@ -120,5 +120,5 @@ def construct(cls: type, values: Mapping[str, Any], path: str) -> tuple[Any, lis
     except ParameterError as error:
         key = f"{path}.{error.parameter}"
         return None, [Problem(key, str(error).removeprefix(f"{error.parameter}: "))]
-    except (TypeError, ValueError) as error:
-        return None, [Problem(path, f"{cls.__name__} refuses these parameters: {error}")]
+    except Exception as error:  # a law of the user's own may raise anything
+        return None, [Problem(path, f"{cls.__name__} refuses these parameters: {type(error).__name__}: {error}")]

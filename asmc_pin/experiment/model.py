@@ -140,8 +140,8 @@ class Experiment(ExperimentTables):
             ExperimentError: a parameter does not fit the arm.
         """
         arm = self.build_arm()
+        checks.fail(checks.controller_size_problems(self, self._folder, arm), self._origin)
         made, problems = checks.controller_problems(self._data, self._folder)
-        problems = problems or checks.controller_size_problems(self, arm, made)
         at_rest = np.zeros((1, arm.nv))
         for label, law in made.items() if not problems else ():
             try:
@@ -149,6 +149,10 @@ class Experiment(ExperimentTables):
             except ParameterError as error:
                 text = str(error).removeprefix(f"{error.parameter}: ")
                 problems.append(Problem(f"controllers.{label}.{error.parameter}", text))
+            except Exception as error:
+                if ":" not in self.controllers[label]["law"]:
+                    raise
+                problems.append(Problem(f"controllers.{label}", f"init raised {type(error).__name__}: {error}"))
         checks.fail(problems, self._origin)
         return made
 

@@ -19,6 +19,8 @@ from asmc_pin.report.tables import short_names
 from asmc_pin.viewer.colours import controller_colors
 
 TIME = "Time [s]"
+FAR_APART = 15.0
+"""From this ratio on between the laws' RMS values a linear axis would show the largest only."""
 
 
 def draw_figures(dataset: xr.Dataset, folder: Path, effort_limit: Array | None = None) -> list[Path]:
@@ -64,7 +66,9 @@ def gains_and_s_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     figure = Figure(figsize=(width, 0.5 + 1.05 * count), layout="constrained")
     axes = figure.subplots(count, columns, sharex=True, squeeze=False)
     time = dataset.time.to_numpy()
+    far_apart = spread(s) > FAR_APART
     for i, name in enumerate(_titles(dataset)):
+        axes[i, 0].set_title(name, loc="left")
         metre = "m" if dataset.joint_kind.to_numpy()[i] == "prismatic" else "rad"
         for _, color, k in _controllers(dataset):
             axes[i, -1].plot(*thinned(time, s[k, :, i]), color=color, linewidth=0.6)
@@ -74,9 +78,10 @@ def gains_and_s_figure(dataset: xr.Dataset, limit: Array) -> Figure:
         if adaptive:
             axes[i, 0].set_ylabel(rf"$\hat{{k}}_{{{i + 1}}}$ [{metre}/s$^2$]")
             axes[i, 0].set_ylim(bottom=0.0)
-        axes[i, 0].set_title(name, loc="left")
-        for axis in axes[i]:
-            axis.yaxis.set_label_coords(-0.11, 0.5)
+            axes[i, 0].yaxis.set_label_coords(-0.12, 0.5)
+        axes[i, -1].yaxis.set_label_coords(-0.15, 0.5)
+        if far_apart:
+            axes[i, -1].set_yscale("symlog", linthresh=_linear_until(s[:, :, i]))
     _finish(figure, axes[-1], dataset)
     return figure
 
@@ -111,7 +116,7 @@ def error_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     figure, axes = _joint_grid(dataset)
     time = dataset.time.to_numpy()
     error = dataset.q_ref.to_numpy() - _by_controller(dataset, "q")
-    logarithmic = spread(error) > 15.0
+    logarithmic = spread(error) > FAR_APART
     for i, axis in enumerate(axes):
         factor, unit = _angle(dataset, i)
         for _, color, k in _controllers(dataset):
@@ -142,7 +147,7 @@ FIGURES: Mapping[str, Callable[[xr.Dataset, Array], Figure]] = MappingProxyType(
 def _joint_grid(dataset: xr.Dataset) -> tuple[Figure, list[Axes]]:
     """A panel for each joint: one above the other for few joints, side by side across the page for more."""
     count = dataset.sizes["joint"]
-    columns = 1 if count <= 3 else 2 if count == 4 else 3
+    columns = {1: 1, 2: 1, 3: 1, 4: 2, 5: 3, 6: 3, 9: 3}.get(count, 4)
     rows = -(-count // columns)
     size = (COLUMN if columns == 1 else PAGE, 0.45 + 1.15 * rows)
     figure = Figure(figsize=size, layout="constrained")
@@ -152,9 +157,10 @@ def _joint_grid(dataset: xr.Dataset) -> tuple[Figure, list[Axes]]:
         axis.remove()
     for i, (axis, name) in enumerate(zip(axes, _titles(dataset), strict=False)):
         axis.set_title(name, loc="left")
-        if i + columns >= count:
-            axis.set_xlabel(TIME)
+        if i + columns >= count:  # nothing below it
             axis.tick_params(labelbottom=True)
+        if i // columns == rows - 1:
+            axis.set_xlabel(TIME)
     _whole_run(figure, dataset.time.to_numpy())
     return figure, axes[:count]
 
@@ -173,6 +179,13 @@ def _controllers(dataset: xr.Dataset) -> Iterator[tuple[str, str, int]]:
     labels = [str(label) for label in dataset.controller.to_numpy()]
     colors = controller_colors(labels)
     return ((label, colors[label], k) for k, label in enumerate(labels))
+
+
+def _linear_until(values: Array) -> float:
+    """Where a symmetric logarithmic axis turns linear: within what the law with the smallest values shows."""
+    largest = np.fmax.reduce(np.abs(values), axis=1)
+    smallest = np.min(largest[np.isfinite(largest) & (largest > 0.0)], initial=np.inf)
+    return float(10.0 ** np.floor(np.log10(smallest))) if np.isfinite(smallest) else 1.0
 
 
 def _angle(dataset: xr.Dataset, joint: int) -> tuple[float, str]:

@@ -32,7 +32,11 @@ _SIMULATION = 0.8  # of the time, roughly; the rest is writing and drawing
 
 
 def compare(
-    experiment: Experiment, out: str | Path | None = None, force: bool = False, progress: Progress | None = None
+    experiment: Experiment,
+    out: str | Path | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+    warn: Callable[[str], None] | None = None,
 ) -> Comparison:
     """Run every controller of an experiment on the same plant and write the result.
 
@@ -43,6 +47,8 @@ def compare(
         out: Folder of the result; ``results/NAME`` when omitted. It appears whole or not at all.
         force: Whether a result that is there already may be replaced.
         progress: Called now and then.
+        warn: Called with every warning as soon as it is known, which for most is before anything is run; all of them
+            are in the comparison too.
 
     Returns:
         The comparison. A law that diverged has status ``"diverged"`` in it; that is no error.
@@ -55,11 +61,14 @@ def compare(
     folder = Path(out) if out is not None else Path("results") / experiment.name
     results.check_target(folder, force)
     tell = progress or (lambda _what, _share: None)
+    say = warn or (lambda _line: None)
     tell("loading", 0.0)
     started = datetime.now(UTC)
     arm, plant, laws = experiment.build_arm(), experiment.build_plant(), experiment.build_controllers()
     lemma1 = lemma1_along(arm, *experiment.setpoints(), laws)
-    warnings = before_the_run(experiment, plant, lemma1)
+    warnings = before_the_run(experiment, plant, laws, lemma1)
+    for line in warnings:
+        say(line)
 
     seconds: dict[str, float] = {}
     runs: dict[str, Rollout] = {}
@@ -67,7 +76,9 @@ def compare(
         begun = time.perf_counter()
         runs[label] = _run(experiment, plant, label, law, _part(tell, label, i, len(laws)))
         seconds[label] = time.perf_counter() - begun
-    warnings += after_the_run(runs)
+    for line in after_the_run(runs):
+        warnings.append(line)
+        say(line)
 
     comparison = Comparison(
         experiment=experiment,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asmc_pin.arms import Arm
+from asmc_pin.condition.gains_check import gain_warnings
 from asmc_pin.condition.lemma1 import lemma1_norm
 from asmc_pin.controllers import Controller, Setpoint
 from asmc_pin.experiment import Experiment
@@ -64,8 +65,17 @@ def lemma1_along(
     return found
 
 
-def before_the_run(experiment: Experiment, plant: Plant, lemma1: Mapping[str, Lemma1Range]) -> list[str]:
-    """Warnings that can be given before anything is simulated."""
+def before_the_run(
+    experiment: Experiment, plant: Plant, laws: Mapping[str, Controller], lemma1: Mapping[str, Lemma1Range]
+) -> list[str]:
+    """Warnings that can be given before anything is simulated: the reference, Lemma 1 along it, gains.
+
+    Args:
+        experiment: As to be run.
+        plant: Its plant; its viscous friction counts for the gains.
+        laws: Its controllers by label.
+        lemma1: See `lemma1_along`.
+    """
     friction = plant.friction
     warnings = check_reference(
         experiment.build_reference(),
@@ -86,7 +96,7 @@ def before_the_run(experiment: Experiment, plant: Plant, lemma1: Mapping[str, Le
             f"Lemma 1 is violated along the reference by the M̄ of {', '.join(labels)}: ‖I − M⁻¹M̄‖₂ = {item.upper:.4g} "
             f"at t = {item.worst_time:.3f} s; 'asmc-pin design' finds an M̄ that keeps it below 1"
         )
-    return lines
+    return lines + gain_warnings(plant.arm, laws, experiment.period, viscous=friction.viscous)
 
 
 def after_the_run(rollouts: Mapping[str, Rollout]) -> list[str]:
