@@ -12,7 +12,8 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.condition.box import resolve_box
 from asmc_pin.condition.lemma1 import Condition
-from asmc_pin.condition.search import NORM, Domain, Found, evaluate, maximise
+from asmc_pin.condition.sampling import NORM, Domain, evaluate
+from asmc_pin.condition.search import Found, maximise
 from asmc_pin.condition.variants import Case
 from asmc_pin.errors import ParameterError
 

@@ -15,7 +15,8 @@ from asmc_pin._typing import Array, IntArray
 from asmc_pin.condition import kernels
 from asmc_pin.condition.lemma1 import Condition
 from asmc_pin.condition.program import Bounds, Solution, bandwidth_program, contraction_program
-from asmc_pin.condition.search import NORM, Domain, Found, maximise, sample_box
+from asmc_pin.condition.sampling import NORM, Domain, sample_box
+from asmc_pin.condition.search import Found, maximise
 
 TOLERANCE = 1e-3
 """Of 1 − γ (or of μ): how far the searched worst case may lie from the program's bound at the end."""

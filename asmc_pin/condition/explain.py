@@ -13,7 +13,8 @@ from asmc_pin.condition.design_report import Limit, Point, Purchase, Weighted
 from asmc_pin.condition.exchange import Active, Exchanged, exchange
 from asmc_pin.condition.lemma1 import Condition
 from asmc_pin.condition.program import Bounds
-from asmc_pin.condition.search import NORM, Domain, maximise
+from asmc_pin.condition.sampling import NORM, Domain
+from asmc_pin.condition.search import maximise
 from asmc_pin.condition.variants import Case
 
 _SHARE = 0.1

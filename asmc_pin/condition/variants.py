@@ -15,7 +15,7 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.box import BoxLike, resolve_box
-from asmc_pin.condition.search import Domain
+from asmc_pin.condition.sampling import Domain
 from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:

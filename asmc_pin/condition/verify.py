@@ -15,7 +15,8 @@ from asmc_pin.condition.box import BoxLike
 from asmc_pin.condition.lemma1 import Condition, check_condition, check_mbar
 from asmc_pin.condition.recorded import Recording, read_recording, tde_error
 from asmc_pin.condition.report import ConditionReport
-from asmc_pin.condition.search import NORM, SAMPLES, STARTS, maximise
+from asmc_pin.condition.sampling import NORM
+from asmc_pin.condition.search import SAMPLES, STARTS, maximise
 from asmc_pin.condition.variants import ArmatureRange, Case, LockChoices, PayloadRange, cases
 
 if TYPE_CHECKING:
@@ -151,8 +152,11 @@ def verify(
 def _over_box(
     all_cases: Sequence[Case], mbar: Array, condition: Condition, samples: int, starts: int, seed: int, threads: int
 ) -> _Outcome:
-    options = {"samples": samples, "starts": starts, "seed": seed, "threads": threads}
-    found = [maximise(NORM[condition], case.domain, mbar, **options) for case in all_cases]
+    kind = NORM[condition]
+    found = [
+        maximise(kind, case.domain, mbar, samples=samples, starts=starts, seed=seed, threads=threads)
+        for case in all_cases
+    ]
     box = all_cases[0].domain.box
     return _Outcome(
         "box",
@@ -225,9 +229,7 @@ def _notes(all_cases: Sequence[Case], condition: Condition, norm: float, scope: 
     idle = [f"'{name}'" for name, idles in zip(arm.joint_names, box.idle, strict=True) if idles]
     if scope != "motion" and idle:
         names = ", ".join(idle)
-        notes.append(
-            f"M(q) does not depend on {names}, which carries the whole arm; it is held at the middle of its range"
-        )
+        notes.append(f"M(q) does not depend on {names}, which carries the whole arm: held at the middle of its range")
     if condition == "lemma1" and len(set(arm.joint_kinds)) > 1:
         notes.append(
             "revolute and prismatic joints: the 2-norm adds rad to m, and its value depends on the units; "
