@@ -21,6 +21,10 @@ TRIANGLES = 60_000
 """Triangles an arm may have: as fine as a screen shows, in about a megabyte of page."""
 
 
+Frame = tuple[int, Array, Array, bool]
+"""Parent body, placement in it, axis, whether it slides along it."""
+
+
 @dataclass(frozen=True)
 class Body:
     """What moves with one joint, or stands with the base.
@@ -62,13 +66,7 @@ class DrawnArm:
 
     def poses(self, q: Array) -> Array:
         """Poses of the bodies in the base frame. Shape of q (..., nv); of the result (..., nv + 1, 4, 4)."""
-        found: list[Array] = []
-        for body in self.bodies:
-            if body.joint < 0:
-                found.append(np.broadcast_to(body.placement, (*q.shape[:-1], 4, 4)))
-            else:
-                found.append(found[body.parent] @ body.placement @ _motion(body, q[..., body.joint]))
-        return np.stack(found, axis=-3)
+        return body_poses([(body.parent, body.placement, body.axis, body.prismatic) for body in self.bodies], q)
 
 
 def draw(arm: Arm, triangles: int = TRIANGLES) -> DrawnArm:
@@ -80,56 +78,73 @@ def draw(arm: Arm, triangles: int = TRIANGLES) -> DrawnArm:
         arm: The arm.
         triangles: Triangles it may have in all.
     """
+    parts = assemble(arm)
+    meshes = simplify([join(surfaces) for surfaces in parts.surfaces], triangles)
+    bodies = tuple(
+        Body(parent, placement, index - 1, axis, prismatic, mesh)
+        for index, ((parent, placement, axis, prismatic), mesh) in enumerate(zip(parts.frames, meshes, strict=True))
+    )
+    return DrawnArm(arm.name, bodies, _upright(arm.gravity_vector), (arm.nv, parts.tip), parts.notes)
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What an arm is drawn from, as fine as its files are.
+
+    Attributes:
+        frames: Of every body, the base first.
+        surfaces: What hangs on each body, in its frame.
+        tip: The arm's tip in the last body's frame, m.
+        notes: What a person should know of the picture.
+    """
+
+    frames: tuple[Frame, ...]
+    surfaces: tuple[list[Surface], ...]
+    tip: Array
+    notes: tuple[str, ...]
+
+
+def assemble(arm: Arm) -> Parts:
+    """Reads an arm's visuals and hangs them on its bodies, a skeleton where there are none."""
     shown, missing = read_visuals(arm.urdf_text, arm.package_dirs, Path(arm.source).parent)
-    frames = _joint_frames(arm)
-    surfaces: list[list[Surface]] = [[] for _ in range(arm.nv + 1)]
+    frames = joint_frames(arm)
+    surfaces: tuple[list[Surface], ...] = tuple([] for _ in range(arm.nv + 1))
     tip = np.zeros(3)
-    for link, body, pose in _attachments(arm, frames):
-        surfaces[body] += [surface.moved(pose) for surface in shown.get(link, ())]
+    for link, body, pose in attachments(arm):
+        surfaces[body].extend(surface.moved(pose) for surface in shown.get(link, ()))
         if body == arm.nv and np.linalg.norm(pose[:3, 3]) > np.linalg.norm(tip):
             tip = pose[:3, 3]
     if np.linalg.norm(tip) < 1e-6 and surfaces[arm.nv]:
         tip = _far_end(join(surfaces[arm.nv]))
-    notes = []
     for body, stick in skeleton(frames, tip).items():
         if not surfaces[body]:
             surfaces[body].append(stick)
+    notes = []
     if missing:
         names = [text for texts in missing.values() for text in texts]
         more = f" and {len(names) - 1} more" if len(names) > 1 else ""
         notes.append(f"Parts are drawn as a skeleton: {names[0]}{more}.")
     elif not shown:
         notes.append("The URDF has no visuals: the arm is drawn as a skeleton.")
-    meshes = simplify([join(parts) for parts in surfaces], triangles)
-    bodies = tuple(
-        Body(parent, placement, index - 1, axis, prismatic, mesh)
-        for index, ((parent, placement, axis, prismatic), mesh) in enumerate(zip(frames, meshes, strict=True))
-    )
-    return DrawnArm(arm.name, bodies, _upright(arm.gravity_vector), (arm.nv, tip), tuple(notes))
+    return Parts(frames, surfaces, tip, tuple(notes))
 
 
-Frame = tuple[int, Array, Array, bool]
-"""Parent body, placement in it, axis, prismatic."""
-
-
-def _joint_frames(arm: Arm) -> list[Frame]:
+def joint_frames(arm: Arm) -> tuple[Frame, ...]:
+    """The bodies of an arm without what is drawn of them, the base first."""
     tree = arm.tree
     frames: list[Frame] = [(-1, np.eye(4), np.array([0.0, 0.0, 1.0]), False)]
     for joint in range(arm.nv):
         placement = np.eye(4)
         placement[:3, :3], placement[:3, 3] = tree.rotation[joint], tree.translation[joint]
         frames.append((int(tree.parent[joint]) + 1, placement, tree.axis[joint], bool(tree.prismatic[joint])))
-    return frames
+    return tuple(frames)
 
 
-def _attachments(arm: Arm, frames: Sequence[Frame]) -> list[tuple[str, int, Array]]:
-    """The body of every link and the link's pose in it: the one body in whose frame the link stands still."""
-    none = np.empty((0, 3))
-    bare = Shaded(none, none.astype(np.int8), none.astype(np.uint8), none.astype(np.int64))
-    bodies = tuple(Body(p, place, k - 1, axis, slides, bare) for k, (p, place, axis, slides) in enumerate(frames))
+def attachments(arm: Arm) -> list[tuple[str, int, Array]]:
+    """Name of every link, the body it belongs to, and its pose there: the one body in whose frame it stands still."""
     # Angles without a pattern, so that no two joints cancel.
     q = np.stack([np.zeros(arm.nv), 0.7 + 0.31 * np.sin(1.0 + 2.0 * np.arange(arm.nv))])
-    inverse = np.linalg.inv(DrawnArm(arm.name, bodies, np.eye(4), (0, np.zeros(3)), ()).poses(q))
+    inverse = np.linalg.inv(body_poses(joint_frames(arm), q))
     relative = inverse[:, :, None] @ arm.link_poses(q)[:, None]
     change = np.abs(relative[1] - relative[0]).max(axis=(-2, -1))
     return [
@@ -144,16 +159,26 @@ def _far_end(surface: Surface) -> Array:
     return np.asarray(surface.vertices[distance > 0.95 * distance.max()].mean(axis=0))
 
 
-def _motion(body: Body, q: Array) -> Array:
+def body_poses(frames: Sequence[Frame], q: Array) -> Array:
+    """Poses of all bodies in the base frame. Shape of q (..., nv); of the result (..., nv + 1, 4, 4)."""
+    found: list[Array] = []
+    for index, (parent, placement, axis, prismatic) in enumerate(frames):
+        if index == 0:
+            found.append(np.broadcast_to(placement, (*q.shape[:-1], 4, 4)))
+        else:
+            found.append(found[parent] @ placement @ _motion(axis, prismatic, q[..., index - 1]))
+    return np.stack(found, axis=-3)
+
+
+def _motion(axis: Array, prismatic: bool, q: Array) -> Array:
     moved = np.zeros((*q.shape, 4, 4))
     moved[..., range(4), range(4)] = 1.0
-    if body.prismatic:
-        moved[..., :3, 3] = q[..., None] * body.axis
+    if prismatic:
+        moved[..., :3, 3] = q[..., None] * axis
         return moved
     from scipy.spatial.transform import Rotation
 
-    turns = Rotation.from_rotvec(q.reshape(-1, 1) * body.axis)
-    moved[..., :3, :3] = turns.as_matrix().reshape(*q.shape, 3, 3)
+    moved[..., :3, :3] = Rotation.from_rotvec(q.reshape(-1, 1) * axis).as_matrix().reshape(*q.shape, 3, 3)
     return moved
 
 
