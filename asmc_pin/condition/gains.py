@@ -34,7 +34,7 @@ class GainDesign:
         mbar_scale: At most 1. Both conditions on M̄ go on holding when it is scaled down.
         report: The loop's stability and its margins.
         speed: Joint speed that `drift` is for, shape (nv,), rad/s.
-        drift: Bound of the error while gravity drifts as at that speed of all joints, worst sample, shape (nv,), rad.
+        drift: Bound of the error while gravity drifts as at that speed of all joints, worst found, shape (nv,), rad.
         coulomb: Coulomb friction that the next two are for, shape (nv,), N·m.
         reversal_peak: Largest |e| after a joint's own friction reverses, worst of a few configurations, (nv,), rad.
         reversal_rms: RMS error if every joint reverses once a second, likewise, shape (nv,), rad.
@@ -205,7 +205,7 @@ def _with_predictions(
     coulomb: ArrayLike,
 ) -> GainDesign:
     speeds, friction = (np.array(np.broadcast_to(np.asarray(x, dtype=np.float64), (arm.nv,))) for x in (speed, coulomb))
-    drift = np.abs(gravity_stiffness(arm, workspace.q)) @ speeds
+    drift = _largest_drift(arm, workspace, speeds)
     low, high = workspace.ratio_range(loop.mbar)
     q = np.stack([report.worst_q, low[1], high[1], *workspace.q[:5]])
     response = step_response(arm.mass_matrix(q), loop, 2.0 * friction)
@@ -214,11 +214,25 @@ def _with_predictions(
         mbar_scale=scale,
         report=report,
         speed=speeds,
-        drift=drift_error(loop, drift.max(axis=0)),
+        drift=drift_error(loop, drift),
         coulomb=friction,
         reversal_peak=np.diagonal(response.peak, axis1=-2, axis2=-1).max(axis=0),
         reversal_rms=response.rms(1.0).max(axis=0),
     )
+
+
+def _largest_drift(arm: Arm, workspace: Workspace, speeds: Array) -> Array:
+    """Largest rate at which gravity's torque on each joint drifts, anywhere in the workspace, shape (nv,), N·m/s."""
+    heavy = workspace_of(arm, (workspace.box.lower, workspace.box.upper), samples=len(workspace.q), gravity=True)
+
+    def rates(q: Array) -> Array:
+        return np.asarray(np.abs(gravity_stiffness(arm, q)) @ speeds)
+
+    def largest(joint: int) -> float:
+        return heavy.maximise(lambda q: rates(q)[:, joint], at_samples[:, joint])[0]
+
+    at_samples = rates(heavy.q)
+    return np.array([largest(joint) for joint in range(arm.nv)])
 
 
 def _check(name: str, value: float, least: float) -> None:

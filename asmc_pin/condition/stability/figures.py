@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 # Blue where errors decay, red where they grow; both readable without colour through the boundary line.
 _COLOURS = LinearSegmentedColormap.from_list("decay", ["#1f4e79", "#9ecae1", "#f7f7f7", "#f4a582", "#b2182b"])
-_POINTS = 48
+_POINTS = 40
 
 
 def gain_region_figure(arm: Arm, loop: SampledLoop, *, box: BoxLike = None, span: float = 30.0) -> Figure:
