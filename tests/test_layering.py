@@ -40,6 +40,13 @@ MAY_IMPORT["study"] = EVERYTHING
 MAY_IMPORT["cli"] = EVERYTHING | {"study"}
 MAY_IMPORT["package"] = EVERYTHING | {"study", "cli"}  # asmc_pin/__init__.py, the public names
 
+# The only modules with a control law in them that may see an arm; what they compute is marked "knows the model".
+KNOW_THE_MODEL = {
+    "asmc_pin.baselines.base",
+    "asmc_pin.baselines.computed_torque",
+    "asmc_pin.baselines.pd_gravity",
+}
+
 # Libraries with one home, so that what it costs to change them is known.
 HOME = {
     "pinocchio": {"arms", "plant"},
@@ -141,6 +148,25 @@ def test_control_laws_see_numpy_and_nothing_of_the_arm() -> None:
         if target.split(".")[0] not in allowed and not any(f"{target}.".startswith(f"{name}.") for name in own)
     ]
     assert not wrong
+
+
+def has_a_law(path: Path) -> bool:
+    """Whether the module defines a class with a method ``step(self, state, sample, setpoint)``."""
+    classes = [node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.ClassDef)]
+    methods = [item for node in classes for item in node.body if isinstance(item, ast.FunctionDef)]
+    return any(m.name == "step" and [a.arg for a in m.args.args][-2:] == ["sample", "setpoint"] for m in methods)
+
+
+def test_of_all_laws_only_those_named_here_may_see_an_arm() -> None:
+    laws = {module for module, path in sources() if has_a_law(path)}
+    assert laws >= {"asmc_pin.controllers.baek2016", *KNOW_THE_MODEL}
+    seeing = {
+        module
+        for module, path in sources()
+        if module in laws
+        and any(part_of(target) in ("arms", "baselines", "plant") for target in imports_of(module, path))
+    }
+    assert seeing == KNOW_THE_MODEL
 
 
 @pytest.mark.parametrize("library", HOME)

@@ -45,6 +45,7 @@ __all__ = [
     "TdeState",
     "controllers_table",
     "describe_laws",
+    "describe_parameter",
     "parameters_of",
     "shared_parameters",
     "signed",
@@ -122,7 +123,7 @@ def describe_laws() -> tuple[LawInfo, ...]:
             law.title,
             law.equation,
             law.reference,
-            tuple(_describe(item) for key, item in parameters_of(law).items() if key not in shared),
+            tuple(describe_parameter(item) for key, item in parameters_of(law).items() if key not in shared),
         )
         for name, law in CONTROLLERS.items()
     )
@@ -130,10 +131,11 @@ def describe_laws() -> tuple[LawInfo, ...]:
 
 def shared_parameters() -> tuple[ParameterInfo, ...]:
     """The parameters that every law takes."""
-    return tuple(_describe(item) for item in parameters_of(TdeLaw).values())
+    return tuple(describe_parameter(item) for item in parameters_of(TdeLaw).values())
 
 
-def _describe(item: Parameter[object, object]) -> ParameterInfo:
+def describe_parameter(item: Parameter[object, object]) -> ParameterInfo:
+    """What a table shows of one field of a law."""
     required = item.default is REQUIRED
     return ParameterInfo(
         item.name, item.meaning, item.unit, isinstance(item, PerJoint), required, None if required else item.default

@@ -1,0 +1,61 @@
+"""Laws that know the model, to compare with: a family of its own, marked as such wherever they appear.
+
+They are the only laws that may see an arm; `asmc_pin.controllers` may not.
+"""
+
+from __future__ import annotations
+
+from asmc_pin.baselines.base import ModelLaw
+from asmc_pin.baselines.computed_torque import ComputedTorque
+from asmc_pin.baselines.pd_gravity import PdGravity
+from asmc_pin.controllers import LawInfo, describe_parameter, parameters_of
+
+__all__ = [
+    "BASELINES",
+    "MARK",
+    "ComputedTorque",
+    "ModelLaw",
+    "PdGravity",
+    "baselines_table",
+    "describe_baselines",
+    "knows_model",
+]
+
+BASELINES: dict[str, type[ModelLaw]] = {"computed_torque": ComputedTorque, "pd_gravity": PdGravity}
+"""The laws by the names that experiments use."""
+
+MARK = "knows the model"
+"""What tables and figures say of them."""
+
+
+def knows_model(law: object) -> bool:
+    """Whether a law, or its class, computes with a model of the arm; one of the user's own says so by `knows_model`."""
+    return bool(getattr(law, "knows_model", False))
+
+
+def baselines_table() -> list[dict[str, str]]:
+    """One row per law, with the columns of `asmc_pin.controllers.controllers_table`."""
+    return [
+        {
+            "law": law.name,
+            "what": f"{law.title} ({MARK})",
+            "equation": law.equation,
+            "own parameters": ", ".join(map(str, law.parameters)),
+            "source": law.reference,
+        }
+        for law in describe_baselines()
+    ]
+
+
+def describe_baselines() -> tuple[LawInfo, ...]:
+    """Every law with its parameters, in the order of `BASELINES`; the period, which all laws share, is left out."""
+    return tuple(
+        LawInfo(
+            name,
+            law.title,
+            law.equation,
+            law.reference,
+            tuple(describe_parameter(item) for key, item in parameters_of(law).items() if key != "period"),
+        )
+        for name, law in BASELINES.items()
+    )
