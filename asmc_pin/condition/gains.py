@@ -121,7 +121,8 @@ def suggest_gains(
         delay_margin: Delay that may come on top, periods, 0 or more.
         scale_mbar: Whether M̄ may be scaled down.
         speed: Joint speeds for the drift prediction, a scalar or nv values, rad/s.
-        coulomb: Coulomb friction for the reversal prediction, a scalar or nv values, N·m; the URDF's by default.
+        coulomb: Coulomb friction for the reversal prediction, a scalar or nv values, N·m; the URDF's by default, or
+            1 for every joint where it declares none.
         box: Joint box; the arm's own by default.
         samples: Number of configurations searched.
         seed: Of the samples.
@@ -151,7 +152,9 @@ def suggest_gains(
         arm, chosen.mbar, chosen.ks, chosen.beta, period, acceleration=acceleration, filter_hz=filter_hz, delay=delay,
         box=box, samples=samples, seed=seed,
     )  # fmt: skip
-    return _with_predictions(arm, chosen, scale, report, workspace, speed, arm.friction if coulomb is None else coulomb)
+    if coulomb is None:
+        coulomb = arm.friction if arm.friction.any() else 1.0
+    return _with_predictions(arm, chosen, scale, report, workspace, speed, coulomb)
 
 
 def _stiffest(
@@ -241,4 +244,4 @@ def _check(name: str, value: float, least: float) -> None:
 
 
 def _list(values: Array) -> str:
-    return "(" + ", ".join(f"{value:.3g}" for value in values) + ")"
+    return "(" + ", ".join(f"{value:.3g}" if abs(value) > 1e-9 else "0" for value in values) + ")"

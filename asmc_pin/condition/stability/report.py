@@ -211,6 +211,8 @@ def _viscous(value: ArrayLike, nv: int) -> Array:
 
 
 def _limit_lines(loop: SampledLoop, limits: Limits) -> list[str]:
+    if limits.gain_scale == 0.0:
+        return ["no β and K_s are stable with this M̄, the torque estimate diverges by itself: scale M̄ down"]
     low, high = limits.gain_margin
     beta = _spread(loop.beta, limits.beta_scale)
     margins = (
