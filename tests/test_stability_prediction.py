@@ -220,6 +220,13 @@ def test_a_steep_boundary_layer_a_delay_and_gravity_each_draw_their_own_warning(
     assert "gravity drives the sampled loop away" in warning
 
 
+def test_friction_that_only_some_trials_have_is_not_counted_on() -> None:
+    arm, stiff = load_arm("ur5"), {"PPC": laws(ks=80.0, beta=80.0)["PPC"]}
+    without = gain_warnings(arm, stiff)
+    assert gain_warnings(arm, stiff, viscous=np.array([[40.0] * 6, [0.0] * 6])) == without
+    assert gain_warnings(arm, stiff, viscous=np.array([[40.0] * 6, [30.0] * 6])) != without
+
+
 def test_mbar_beyond_twice_the_inertia_has_no_gains_to_fall_back_to() -> None:
     (warning,) = gain_warnings(load_arm("ur5"), {"PPC": laws(mbar=4.0 * UR5_MBAR)["PPC"]})
     assert "no β and K_s are stable with this M̄" in warning

@@ -41,7 +41,8 @@ def gain_warnings(
         controllers: Label -> law. One without `mbar, ks, beta` is not of this kind and is passed over.
         period: Control period, s; by default each law's own.
         delay: The plant's transport delay, periods.
-        viscous: Viscous friction that may be counted on, N·m·s/rad; none by default, to be careful.
+        viscous: Viscous friction that may be counted on, N·m·s/rad, a scalar, (nv,) or (batch, nv), of which the
+            least counts; none by default, to be careful.
         box: Joint box; the arm's own by default.
         seed: Of the samples.
 
@@ -70,7 +71,7 @@ def gain_warnings(
             layers.append((label, loop_for(arm, law.mbar, law.ks, steep, own, **timing)))
     if not by_loop:
         return []
-    friction = None if viscous is None else np.broadcast_to(np.asarray(viscous, dtype=np.float64), (arm.nv,))
+    friction = None if viscous is None else _counted_on(viscous, arm.nv)
     free = workspace_of(arm, box, samples=_SAMPLES, seed=seed, viscous=friction).thinned(_SAMPLES)
     heavy = (
         workspace_of(arm, box, samples=_SAMPLES, seed=seed, gravity=True, viscous=friction).thinned(_SAMPLES)
@@ -115,6 +116,13 @@ def _about_layer(label: str, loop: SampledLoop, free: Workspace) -> str:
         f"{label}: inside its boundary layer, where β acts as β + K/Φ = {_angles(loop.beta)}, the sampled loop is "
         f"unstable (spectral radius {radius:.4f} at q = {_angles(q)} rad), so expect chatter; widen Φ or lower K"
     )
+
+
+def _counted_on(viscous: ArrayLike, nv: int) -> Array | None:
+    """The least friction of each joint over the trials; None if there is none, so that modes separate."""
+    given = np.asarray(viscous, dtype=np.float64)
+    least = np.broadcast_to(given, np.broadcast_shapes(given.shape, (1, nv))).min(axis=0)
+    return least if least.any() else None
 
 
 def _angles(q: Array) -> str:
