@@ -19,6 +19,7 @@ __all__ = [
     "baselines_table",
     "describe_baselines",
     "knows_model",
+    "shown_label",
 ]
 
 BASELINES: dict[str, type[ModelLaw]] = {"computed_torque": ComputedTorque, "pd_gravity": PdGravity}
@@ -31,6 +32,11 @@ MARK = "knows the model"
 def knows_model(law: object) -> bool:
     """Whether a law, or its class, computes with a model of the arm; one of the user's own says so by `knows_model`."""
     return bool(getattr(law, "knows_model", False))
+
+
+def shown_label(label: str, law: object) -> str:
+    """The label of a controller as results show it: marked if the law knows the model."""
+    return f"{label} ({MARK})" if knows_model(law) else label
 
 
 def baselines_table() -> list[dict[str, str]]:

@@ -18,10 +18,11 @@ def arm_rows() -> Rows:
 
 
 def controller_rows() -> Rows:
-    """Header and rows of the table of control laws."""
+    """Header and rows of the table of control laws; those that know the model come last and say so."""
+    from asmc_pin.baselines import baselines_table
     from asmc_pin.controllers import controllers_table
 
-    rows = controllers_table()
+    rows = controllers_table() + baselines_table()
     header = list(rows[0])
     return header, [[str(row[key]) for key in header] for row in rows]
 

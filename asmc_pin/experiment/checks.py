@@ -9,14 +9,16 @@ from typing import Any, get_args
 from pydantic import BaseModel, ValidationError
 
 from asmc_pin.arms import Arm
-from asmc_pin.controllers import CONTROLLERS
 from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment.constructors import Problem, Signature, construct, nearest
-from asmc_pin.experiment.laws import load_law
+from asmc_pin.experiment.laws import LAWS, load_law
 from asmc_pin.experiment.schema import ExperimentTables
 from asmc_pin.references import REFERENCES
 
-_RESERVED = {"period": "stands once, at the top of the file, for every controller"}
+_RESERVED = {
+    "period": "stands once, at the top of the file, for every controller",
+    "arm": "stands once, at the top of the file; a law that knows the model is given that arm",
+}
 
 
 def table_problems(error: ValidationError) -> list[Problem]:
@@ -100,7 +102,7 @@ def controller_problems(data: Mapping[str, Any], folder: Path) -> tuple[dict[str
         return {}, []
     made: dict[str, Any] = {}
     problems: list[Problem] = []
-    signatures = [Signature(law) for law in CONTROLLERS.values()]
+    signatures = [Signature(law) for law in LAWS.values()]
     for label, table in tables.items():
         path = f"controllers.{label}"
         if not isinstance(table, Mapping):
@@ -133,7 +135,7 @@ def _law(table: Mapping[str, Any], folder: Path, path: str) -> tuple[type | None
     name = table.get("law")
     if not isinstance(name, str):
         state = "is missing" if name is None else f"must be text, got {name!r}"
-        return None, [Problem(f"{path}.law", f"{state}; one of {', '.join(CONTROLLERS)}, or 'my_module:MyLaw'")]
+        return None, [Problem(f"{path}.law", f"{state}; one of {', '.join(LAWS)}, or 'my_module:MyLaw'")]
     try:
         return load_law(name, folder, f"{path}.law"), []
     except ExperimentError as error:

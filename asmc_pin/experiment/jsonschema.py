@@ -9,10 +9,13 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from asmc_pin.controllers import CONTROLLERS
 from asmc_pin.experiment.constructors import Signature
+from asmc_pin.experiment.laws import LAWS
 from asmc_pin.experiment.schema import ExperimentTables
 from asmc_pin.references import REFERENCES
+
+# Parameters of a law that an experiment gives by itself.
+_GIVEN = ("period", "arm")
 
 
 def experiment_schema() -> dict[str, Any]:
@@ -30,7 +33,7 @@ def experiment_schema() -> dict[str, Any]:
             _drop_null(item)
     properties["reference"] = _described(properties["reference"], {"oneOf": [_reference(kind) for kind in REFERENCES]})
     properties["defaults"] = _described(properties["defaults"], _defaults())
-    laws = [_law(name) for name in CONTROLLERS]
+    laws = [_law(name) for name in LAWS]
     own = {
         "type": "object",
         "properties": {"law": {"type": "string", "pattern": "^[^:]+:[^:]+$", "description": "my_module:MyLaw"}},
@@ -86,7 +89,7 @@ def _law(name: str) -> dict[str, Any]:
     return {
         "type": "object",
         "title": name,
-        "properties": {"law": {"const": name}, **_parameters(CONTROLLERS[name], skip=("period",))},
+        "properties": {"law": {"const": name}, **_parameters(LAWS[name], skip=_GIVEN)},
         "required": ["law"],
         "additionalProperties": False,
     }
@@ -94,8 +97,8 @@ def _law(name: str) -> dict[str, Any]:
 
 def _defaults() -> dict[str, Any]:
     shared: dict[str, Any] = {}
-    for law in CONTROLLERS.values():
-        for name, item in _parameters(law, skip=("period",)).items():
+    for law in LAWS.values():
+        for name, item in _parameters(law, skip=_GIVEN).items():
             shared.setdefault(name, item)
     # A law of one's own may take others, so they are not refused here; the toolkit itself checks them.
     return {"type": "object", "properties": shared}

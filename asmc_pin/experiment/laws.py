@@ -10,17 +10,21 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
+from asmc_pin.baselines import BASELINES
 from asmc_pin.controllers import CONTROLLERS
 from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment.constructors import nearest
+
+LAWS: dict[str, type] = {**CONTROLLERS, **BASELINES}
+"""Every law of the package by its name: those that are blind to the arm, and those that know the model."""
 
 
 def load_law(law: str, folder: Path, key: str = "law") -> type:
     """The class of a control law.
 
     Args:
-        law: A name from `asmc_pin.CONTROLLERS`, or ``module:Class``. The module is looked for in the experiment's
-            folder, then in the working directory, then wherever Python looks (``PYTHONPATH``).
+        law: A name from `LAWS`, or ``module:Class``. The module is looked for in the experiment's folder, then in the
+            working directory, then wherever Python looks (``PYTHONPATH``).
         folder: Folder of the experiment.
         key: Path of the key in the experiment, for errors.
 
@@ -29,10 +33,10 @@ def load_law(law: str, folder: Path, key: str = "law") -> type:
             ``step``.
     """
     if ":" not in law:
-        if law in CONTROLLERS:
-            return CONTROLLERS[law]
+        if law in LAWS:
+            return LAWS[law]
         raise ExperimentError(
-            key, f"there is no law '{law}': {nearest(law, CONTROLLERS)} (a law of your own is 'my_module:MyLaw')"
+            key, f"there is no law '{law}': {nearest(law, LAWS)} (a law of your own is 'my_module:MyLaw')"
         )
     module_name, _, class_name = law.partition(":")
     if not all(part.isidentifier() for part in module_name.split(".")) or not class_name.isidentifier():

@@ -12,6 +12,7 @@ from pydantic import PrivateAttr, ValidationError
 
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm, arm_names, load_arm
+from asmc_pin.baselines import knows_model
 from asmc_pin.controllers import Controller, Sample, Setpoint
 from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment import checks
@@ -145,6 +146,8 @@ class Experiment(ExperimentTables):
         at_rest = np.zeros((1, arm.nv))
         for label, law in made.items() if not problems else ():
             try:
+                if knows_model(law):
+                    law = made[label] = law.with_arm(arm)
                 law.init(Sample(at_rest, at_rest.copy(), at_rest.copy()))
             except ParameterError as error:
                 text = str(error).removeprefix(f"{error.parameter}: ")

@@ -13,6 +13,7 @@ import numpy as np
 
 from asmc_pin import results
 from asmc_pin.arms import Arm
+from asmc_pin.baselines import shown_label
 from asmc_pin.controllers import Controller
 from asmc_pin.errors import AsmcPinError, ExperimentError
 from asmc_pin.experiment import Experiment
@@ -72,11 +73,12 @@ def compare(
 
     seconds: dict[str, float] = {}
     runs: dict[str, Rollout] = {}
+    shown = {label: shown_label(label, law) for label, law in laws.items()}
     for i, (label, law) in enumerate(laws.items()):
         begun = time.perf_counter()
-        runs[label] = _run(experiment, plant, label, law, _part(tell, label, i, len(laws)))
+        runs[label] = _run(experiment, plant, label, law, _part(tell, shown[label], i, len(laws)))
         seconds[label] = time.perf_counter() - begun
-    for line in after_the_run(runs):
+    for line in after_the_run({shown[label]: run for label, run in runs.items()}):
         warnings.append(line)
         say(line)
 
@@ -84,8 +86,12 @@ def compare(
         experiment=experiment,
         arm=arm,
         out=folder,
-        rows=summary_rows(experiment, arm, runs),
-        dataset=results.trajectories(arm, runs, {label: experiment.controllers[label]["law"] for label in laws}),
+        rows=summary_rows(experiment, arm, runs, shown),
+        dataset=results.trajectories(
+            arm,
+            {shown[label]: run for label, run in runs.items()},
+            {shown[label]: experiment.controllers[label]["law"] for label in laws},
+        ),
         warnings=tuple(warnings),
         lemma1=lemma1,
     )

@@ -60,9 +60,11 @@ class Comparison:
         prismatic = [kind == "prismatic" for kind in self.arm.joint_kinds]
         first = self.rows[self.rows.trial == self.rows.trial.iloc[0]]
         controllers = {}
-        for label, rows in first.groupby("controller", sort=False):
+        # In the file's order, and under the file's labels: a label as shown may carry a mark.
+        for label, (_, rows) in zip(self.experiment.controllers, first.groupby("controller", sort=False), strict=True):
             figures: dict[str, Any] = {
                 "law": rows.law.iloc[0],
+                "knows_model": bool(rows.knows_model.iloc[0]),
                 "status": rows.status.iloc[0],
                 "end_time": float(rows.end_time.iloc[0]),
             }
@@ -72,9 +74,9 @@ class Comparison:
                     values = values * np.where(prismatic, 1e3, 180.0 / math.pi)
                 figures[name] = [float(x) if math.isfinite(x) else None for x in values]
             if label in self.lemma1:
-                item = self.lemma1[str(label)]
+                item = self.lemma1[label]
                 figures["lemma1_along_reference"] = [item.lower, item.upper]
-            controllers[str(label)] = figures
+            controllers[label] = figures
         return {
             "arm": self.arm.name,
             "out": str(self.out),
@@ -86,15 +88,19 @@ class Comparison:
         }
 
 
-def summary_rows(experiment: Experiment, arm: Arm, rollouts: Mapping[str, Rollout]) -> pd.DataFrame:
+def summary_rows(
+    experiment: Experiment, arm: Arm, rollouts: Mapping[str, Rollout], shown: Mapping[str, str] | None = None
+) -> pd.DataFrame:
     """Tidy rows: one for each controller, trial and joint, with every metric in SI units.
 
     Args:
         experiment: As run.
         arm: The arm.
         rollouts: By label.
+        shown: Label as results show it, by label, where it differs: that of a law that knows the model.
     """
     settings = experiment.metric_settings()
+    names = {label: label for label in rollouts} | dict(shown or {})
     parts = []
     for label, run in rollouts.items():
         batch = len(run.status)
@@ -102,8 +108,9 @@ def summary_rows(experiment: Experiment, arm: Arm, rollouts: Mapping[str, Rollou
             {
                 "experiment": experiment.name,
                 "arm": arm.name,
-                "controller": label,
+                "controller": names[label],
                 "law": experiment.controllers[label]["law"],
+                "knows_model": names[label] != label,
                 "trial": np.repeat(np.arange(batch), arm.nv),
                 "joint": list(arm.joint_names) * batch,
                 "joint_kind": list(arm.joint_kinds) * batch,
