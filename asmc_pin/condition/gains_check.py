@@ -18,7 +18,8 @@ from asmc_pin.condition.stability.workspace import Workspace, workspace_of
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
 
-_SAMPLES = 256
+_SAMPLES = 128
+_FINEST = 0.01  # of a joint's range
 
 
 def gain_warnings(
@@ -72,9 +73,9 @@ def gain_warnings(
     if not by_loop:
         return []
     friction = None if viscous is None else _counted_on(viscous, arm.nv)
-    free = workspace_of(arm, box, samples=_SAMPLES, seed=seed, viscous=friction).thinned(_SAMPLES)
+    free = workspace_of(arm, box, samples=_SAMPLES, seed=seed, viscous=friction).thinned(_SAMPLES, _FINEST)
     heavy = (
-        workspace_of(arm, box, samples=_SAMPLES, seed=seed, gravity=True, viscous=friction).thinned(_SAMPLES)
+        workspace_of(arm, box, samples=_SAMPLES, seed=seed, gravity=True, viscous=friction).thinned(_SAMPLES, _FINEST)
         if np.any(arm.gravity_vector)
         else None
     )

@@ -71,9 +71,9 @@ class Workspace:
         """Largest radius found, its configuration (nv,), and the number of configurations tried."""
         return self.maximise(lambda q: self.radii(loop, q), self.radii(loop))
 
-    def thinned(self, count: int) -> Workspace:
+    def thinned(self, count: int, finest: float = 2e-3) -> Workspace:
         """The same with the first `count` samples and a coarser search, for searches that are repeated."""
-        return replace(self, q=self.q[:count], starts=2, finest=2e-3)
+        return replace(self, q=self.q[:count], starts=2, finest=finest)
 
     def ratio_range(self, mbar: Array) -> tuple[tuple[float, Array], tuple[float, Array]]:
         """Smallest and largest eigenvalue of M⁻¹M̄ found, each with its configuration."""
