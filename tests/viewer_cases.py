@@ -1,0 +1,55 @@
+"""A result that is quick to make and awkward to show: markup in its labels, and a law that diverges."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from asmc_pin import compare
+from asmc_pin.arms import load_arm
+from asmc_pin.experiment import Experiment
+from asmc_pin.results import Result, load_result
+from asmc_pin.viewer import Motion, describe, draw
+
+HOSTILE = '</script><script>alert(1)</script> & "Proposed"'
+
+AWKWARD: dict[str, Any] = {
+    "name": "awkward",
+    "arm": "two_link",
+    "period": 0.002,
+    "duration": 0.4,
+    "reference": {
+        "kind": "multisine",
+        "offset": [0.3, 0.2],
+        "amplitude": [[0.6], [0.6]],
+        "frequency": [[1.0], [1.5]],
+    },
+    "defaults": {"mbar": 0.01, "ks": 5.0, "beta": 5.0},
+    "controllers": {HOSTILE: {"law": "ppc"}, "Wild": {"law": "ppc", "beta": 900.0, "ks": 900.0}},
+}
+
+
+def make_result(folder: Path) -> Result:
+    """Runs the comparison into a folder that is not there yet."""
+    return load_result(compare(Experiment.from_dict(AWKWARD), out=folder).out)
+
+
+def swung(arm: str, time: Any) -> Any:
+    """The reference of `swing`: joint positions at one or several instants."""
+    loaded = load_arm(arm)
+    wave = 0.6 * np.sin(np.asarray(time)[..., None] * (1.0 + 0.3 * np.arange(loaded.nv)))
+    return np.clip(0.0, *loaded.box) + wave
+
+
+def swing(arm: str = "ur5", *, triangles: int = 4000, duration: float = 2.0) -> dict[str, Any]:
+    """Two motions of an arm about one reference, described for the player; the second breaks off at half time."""
+    loaded = load_arm(arm)
+    time = np.linspace(0.0, duration, 401)
+    joint = np.arange(loaded.nv)
+    reference = swung(arm, time)
+    near, far = reference + 0.01 * np.sin(5.0 * time[:, None] + joint), reference + 0.05 * np.sin(time[:, None])
+    far[201:] = np.nan
+    motions = [Motion(HOSTILE, "#0072B2", near), Motion("Wild", "#CC79A7", far, end=duration / 2)]
+    return describe(draw(loaded, triangles), loaded.joint_names, time, motions, reference)
