@@ -20,7 +20,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from asmc_pin.errors import ResultError
+from asmc_pin.errors import AsmcPinError, ResultError
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -94,7 +94,7 @@ def load_result(path: str | Path) -> Result:
             summary=pd.read_parquet(folder / SUMMARY),
             provenance=json.loads((folder / PROVENANCE).read_text(encoding="utf-8")),
         )
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, AsmcPinError) as error:
         raise ResultError(folder, f"{folder} cannot be read, run the comparison again: {error}") from error
 
 

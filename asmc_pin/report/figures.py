@@ -166,7 +166,12 @@ def _joint_grid(dataset: xr.Dataset) -> tuple[Figure, list[Axes]]:
 
 
 def _titles(dataset: xr.Dataset) -> list[str]:
-    return [name.replace("_", " ") for name in short_names(list(dataset.joint.to_numpy()))]
+    return [_plain(name.replace("_", " ")) for name in short_names(list(dataset.joint.to_numpy()))]
+
+
+def _plain(text: str) -> str:
+    """A user's text, in which a dollar sign starts no formula."""
+    return text.replace("$", r"\$")
 
 
 def _by_controller(dataset: xr.Dataset, name: str) -> Array:
@@ -178,7 +183,7 @@ def _controllers(dataset: xr.Dataset) -> Iterator[tuple[str, str, int]]:
     """Label, colour and index of each controller."""
     labels = [str(label) for label in dataset.controller.to_numpy()]
     colors = controller_colors(labels)
-    return ((label, colors[label], k) for k, label in enumerate(labels))
+    return ((_plain(label), colors[label], k) for k, label in enumerate(labels))
 
 
 def _linear_until(values: Array) -> float:

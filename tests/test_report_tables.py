@@ -1,0 +1,212 @@
+"""Tables and figures: figures as a person reads them, LaTeX that compiles, curves that keep their chatter."""
+
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from asmc_pin.metrics import METRICS
+from asmc_pin.report.curves import running_max, spread, thinned
+from asmc_pin.report.figures import FIGURES, draw_figures
+from asmc_pin.report.latex import escape, latex_table
+from asmc_pin.report.tables import markdown_table, metric_table, metric_tables_markdown, number, overview, short_names
+
+
+def summary(joints=("arm_shoulder_joint", "arm_elbow_joint"), kinds=("revolute", "revolute"), **columns):
+    rows = [
+        {
+            "experiment": "a_b",
+            "arm": "arm",
+            "controller": label,
+            "law": "ppc",
+            "trial": 0,
+            "joint": joint,
+            "joint_kind": kind,
+            "status": "ok",
+            "end_time": 1.0,
+            **dict.fromkeys(METRICS, 1.0),
+        }
+        for label in ("PPC", "50% | {x}_1")
+        for joint, kind in zip(joints, kinds, strict=True)
+    ]
+    frame = pd.DataFrame(rows)
+    for name, values in columns.items():
+        frame[name] = values
+    return frame
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"),
+        (1.0, "1.00"),
+        (0.0123456, "0.0123"),
+        (9.996, "10.0"),
+        (99.96, "100"),
+        (1234.5, "1234"),
+        (-0.00012345, "-0.000123"),
+        (1.5e-7, "1.50e-07"),
+        (2.5e7, "2.50e+07"),
+        (float("nan"), "–"),
+        (float("inf"), "∞"),
+    ],
+)
+def test_figures_have_three_digits_and_no_needless_exponent(value, text):
+    assert number(value) == text
+
+
+def test_joint_names_lose_what_all_of_them_share_and_stay_apart():
+    assert short_names(["panda_joint1", "panda_joint2"]) == ["joint1", "joint2"]
+    assert short_names(["shoulder_pan_joint", "elbow_joint"]) == ["shoulder_pan", "elbow"]
+    assert short_names(["joint_1", "joint_2"]) == ["joint_1", "joint_2"]
+    assert short_names(["hinge"]) == ["hinge"]
+    assert short_names(["a", "b"]) == ["a", "b"]
+
+
+def test_a_table_is_controllers_by_joints_in_degrees():
+    table = metric_table(summary(rms_error=np.radians([1.0, 2.0, 3.0, 4.0])), "rms_error")
+    assert table.title == "RMS tracking error [deg]"
+    assert table.header == ["controller", "shoulder", "elbow"]
+    assert table.rows == [["PPC", "1.00", "2.00"], ["50% | {x}_1", "3.00", "4.00"]]
+
+
+def test_a_sliding_joint_is_shown_in_mm_beside_a_turning_one_in_degrees():
+    table = metric_table(summary(kinds=("prismatic", "revolute"), rms_error=[0.001, np.pi, 0.002, np.pi]), "rms_error")
+    assert table.header == ["controller", "shoulder [mm]", "elbow [deg]"]
+    assert table.rows[0] == ["PPC", "1.00", "180"]
+    assert metric_table(summary(kinds=("prismatic", "revolute")), "torque_rms").header[1] == "shoulder [N]"
+
+
+def test_the_overview_has_the_worst_error_and_the_whole_chatter_and_the_status_only_if_one_failed():
+    table = overview(summary(max_error=np.radians([1.0, 3.0, 2.0, 1.0]), torque_variation=[10.0, 20.0, 1.0, 2.0]))
+    assert table.header[-2:] == ["worst error [deg]", "chatter [N·m/s]"]
+    assert [row[-2:] for row in table.rows] == [["3.00", "30.0"], ["2.00", "3.00"]]
+    failed = summary(status=["diverged", "diverged", "ok", "ok"], end_time=[0.25, 0.25, 1.0, 1.0])
+    assert [row[-1] for row in overview(failed).rows] == ["diverged at 0.25 s", "ok"]
+
+
+def test_markdown_marks_the_smallest_figure_and_keeps_its_columns():
+    frame = summary(rms_error=np.radians([1.0, np.nan, 0.5, np.nan]))
+    text = markdown_table(metric_table(frame, "rms_error"), bold_smallest=True)
+    lines = text.splitlines()
+    assert lines[2] == "| PPC | 1.00 | – |"
+    assert lines[3] == r"| 50% \| {x}_1 | **0.500** | – |"
+    assert {len(re.findall(r"(?<!\\)\|", line)) for line in lines} == {4}
+
+
+def test_equal_figures_have_no_winner_and_metrics_without_any_figure_no_table():
+    frame = summary(peak_gain=np.nan)
+    text = metric_tables_markdown(frame)
+    assert "**" not in text
+    assert METRICS["peak_gain"].title not in text
+    assert f"`{METRICS['final_gain'].formula}`" in text
+
+
+def test_several_trials_are_several_rows():
+    frame = pd.concat([summary(), summary().assign(trial=1)])
+    labels = [row[0] for row in metric_table(frame, "rms_error").rows]
+    assert labels == ["PPC, trial 0", "50% | {x}_1, trial 0", "PPC, trial 1", "50% | {x}_1, trial 1"]
+
+
+def test_latex_escapes_what_has_a_meaning_in_latex():
+    assert escape(r"50% | {x}_1 & $\alpha$ #~^") == (
+        r"50\% \textbar{} \{x\}\_1 \& \$\textbackslash{}alpha\$ \#\textasciitilde{}\textasciicircum{}"
+    )
+    assert escape("[N·m/s], rad/s²: –") == r"[N\,m/s], rad/s$^2$: --"
+
+
+def test_a_latex_table_has_as_many_cells_in_each_row_as_columns():
+    text = latex_table(summary())
+    assert r"\begin{tabular}{lrr}" in text
+    body = re.search(r"\\toprule(.*)\\bottomrule", text, re.DOTALL)[1]
+    for line in body.splitlines():
+        cells = line.removesuffix(r" \\")
+        spans = sum(int(n) - 1 for n in re.findall(r"\\multicolumn\{(\d+)\}", cells))
+        if line.endswith(r"\\"):
+            assert len(re.findall(r"(?<!\\)&", cells)) + 1 + spans == 3, line
+    assert text.count("{") - text.count(r"\{") == text.count("}") - text.count(r"\}")
+    assert all(f"[{unit}]" in text for unit in ("deg", r"N\,m", r"N\,m/s"))
+
+
+@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="needs pdflatex")
+@pytest.mark.parametrize("joints", [2, 7])
+def test_the_latex_table_compiles_with_booktabs_alone(tmp_path, joints):
+    names = tuple(f"joint_{i}" for i in range(joints))
+    frame = summary(joints=names, kinds=("revolute",) * joints, peak_gain=np.nan)
+    frame["rms_error"] = np.linspace(0.0, 1.0, len(frame))
+    (tmp_path / "summary.tex").write_text(latex_table(frame, list(METRICS)), encoding="utf-8")
+    (tmp_path / "page.tex").write_text(
+        r"\documentclass{article}\usepackage{booktabs}\begin{document}\input{summary.tex}\end{document}"
+    )
+    command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "page.tex"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout[-2000:]
+
+
+def test_thinning_keeps_the_envelope_of_chatter_and_the_order_of_time():
+    time = np.arange(20_000) * 1e-3
+    values = np.sin(time) + 0.3 * np.where(np.arange(time.size) % 2, 1.0, -1.0)
+    values[7_777] = 5.0
+    thin_time, thin = thinned(time, values, points=500)
+    assert thin.size <= 1_000
+    assert np.all(np.diff(thin_time) >= 0.0)
+    assert (thin.min(), thin.max()) == (values.min(), 5.0)
+    for start in range(0, 20, 5):
+        window = (time >= start) & (time < start + 5)
+        shown = (thin_time >= start) & (thin_time < start + 5)
+        assert thin[shown].max() == pytest.approx(values[window].max(), abs=1e-3)
+        assert thin[shown].min() == pytest.approx(values[window].min(), abs=1e-3)
+
+
+def test_thinning_leaves_short_curves_alone_and_gaps_open():
+    time = np.arange(5_000.0)
+    same = thinned(time[:100], time[:100])
+    assert np.array_equal(same[1], time[:100])
+    values = np.where(time < 2_500, time, np.nan)
+    thin_time, thin = thinned(time, values, points=100)
+    assert np.nanmax(thin) == 2_499
+    assert np.isnan(thin[thin_time > 2_600]).all()
+
+
+def test_a_running_maximum_never_understates():
+    time = np.arange(1_000) * 0.01
+    middle, largest = running_max(time, np.abs(np.sin(5 * time)), windows=20)
+    assert middle.size == 20
+    assert largest.min() > 0.9
+    assert np.isnan(running_max(time, np.full(1_000, np.nan))[1]).all()
+
+
+def test_the_spread_compares_laws_that_ran_to_the_end():
+    error = np.ones((3, 10, 2))
+    error[1] *= 4.0
+    error[2, 5:] = np.nan
+    assert spread(error) == pytest.approx(4.0)
+    assert spread(error[:1]) == 1.0
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e3])
+def test_every_figure_is_drawn_for_any_number_of_joints_also_when_laws_diverge_or_differ_widely(tmp_path, scale):
+    time = np.arange(50) * 0.01
+    labels, joints = ["PPC", "Wild", r"$\wrong$ & 50%"], [f"j_{i}" for i in range(4)]
+    wave = np.sin(time)[None, :, None] * np.array([1.0, 1.0, scale])[:, None, None] * np.ones(4)
+    wave[1, 10:] = np.nan
+    dims = ("controller", "trial", "time", "joint")
+    dataset = xr.Dataset(
+        {name: (dims, wave[:, None]) for name in ("q", "v", "torque", "s", "gain")}
+        | {"q_ref": (("time", "joint"), np.zeros((50, 4)))},
+        coords={
+            "controller": labels,
+            "time": time,
+            "joint": joints,
+            "joint_kind": ("joint", ["prismatic"] + ["revolute"] * 3),
+        },
+    )
+    paths = draw_figures(dataset, tmp_path / "figures", np.array([1.0, np.inf, 2.0, 3.0]))
+    assert [path.stem for path in paths] == list(FIGURES)
+    for path in paths:
+        assert path.read_bytes().startswith(b"\x89PNG")
+        assert path.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
