@@ -10,7 +10,7 @@ from http.server import ThreadingHTTPServer
 from pathlib import Path
 
 import pytest
-from viewer_cases import make_result
+from viewer_cases import awkward_result
 
 from asmc_pin.errors import ParameterError, ResultError
 from asmc_pin.viewer import make_server, serve
@@ -66,7 +66,7 @@ def test_a_port_in_use_is_told(server: ThreadingHTTPServer) -> None:
 
 
 def test_serving_prints_the_address_and_ends_with_ctrl_c(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     served: list[int] = []
 
@@ -75,7 +75,7 @@ def test_serving_prints_the_address_and_ends_with_ctrl_c(
         raise KeyboardInterrupt
 
     monkeypatch.setattr(ThreadingHTTPServer, "serve_forever", interrupted)
-    serve(make_result(tmp_path / "awkward").path)
+    serve(awkward_result().path)
     assert f"http://127.0.0.1:{served[0]}/" in capsys.readouterr().out
 
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import atexit
+import shutil
+import tempfile
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -31,9 +35,12 @@ AWKWARD: dict[str, Any] = {
 }
 
 
-def make_result(folder: Path) -> Result:
-    """Runs the comparison into a folder that is not there yet."""
-    return load_result(compare(Experiment.from_dict(AWKWARD), out=folder).out)
+@cache
+def awkward_result() -> Result:
+    """The result of the comparison above, made once for all tests of a process."""
+    folder = Path(tempfile.mkdtemp(prefix="asmc-awkward-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return load_result(compare(Experiment.from_dict(AWKWARD), out=folder / "awkward").out)
 
 
 def swung(arm: str, time: Any) -> Any:
