@@ -87,7 +87,10 @@ def demo() -> None:
     experiment = load_experiment("demo")
     arm = experiment.build_arm()
     typer.echo("1. May this M̄ be used?")
-    print_verdict(verify(arm, experiment.defaults["mbar"]))
+    with _progress_bar() as progress:
+        progress("searching", 0.0)  # the first run also compiles the kernels
+        verdict = verify(arm, experiment.defaults["mbar"])
+    print_verdict(verdict)
     typer.echo("\n2. Which controller is better?")
     with _progress_bar() as progress:
         comparison = run(experiment, force=True, progress=progress)
@@ -97,15 +100,18 @@ def demo() -> None:
 def print_comparison(comparison: Comparison) -> None:
     """Print the table that a person reads first, what to know about it, and where the rest lies."""
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
     console = Console(highlight=False)
     overview = comparison.overview()
-    table = Table(*overview.header, title=overview.title, title_justify="left", box=None, pad_edge=False)
+    header = [escape(name) for name in overview.header]  # "[deg]" is a unit here and no markup
+    title = escape(overview.title)
+    table = Table(*header, title=title, title_justify="left", box=None, pad_edge=False, collapse_padding=True)
     for column in table.columns[1:]:
         column.justify = "right"
     for row in overview.rows:
-        table.add_row(*(cell.replace("**", "") for cell in row))
+        table.add_row(*(escape(cell) for cell in row))
     console.print(table)
     for line in comparison.notes:
         console.print(f"note: {line}", soft_wrap=True, markup=False)

@@ -103,7 +103,8 @@ def overview(summary: pd.DataFrame) -> Table:
     base = metric_table(summary, "rms_error")
     _, units, worst = per_joint(summary, "max_error")
     _, force_units, variation = per_joint(summary, "torque_variation")
-    header = [name.replace("_", " ") for name in base.header]  # where a narrow terminal may break it
+    # Short, and with spaces where a line may break: six joints fit a terminal of 80 columns.
+    header = ["scheme", *(name.replace("_", " ") for name in base.header[1:])]
     rows = [list(row) for row in base.rows]
     if len(set(units)) == 1:
         header.append(f"worst error [{units[0]}]")
