@@ -36,6 +36,7 @@ $(BIN)/python:
 $(VENV)/.runtime: $(BIN)/python pyproject.toml constraints.txt
 	@echo "Setting up $(VENV) (once, a few minutes)"
 	$(PIP_INSTALL) --editable .
+	$(BIN)/python -m asmc_pin.cli.precompile
 	@touch $@
 
 $(VENV)/.dev: $(VENV)/.runtime

@@ -114,6 +114,10 @@ def stability(
     armature: ArmatureOption = None,
     lock: LockOption = None,
     gravity: GravityOption = None,
+    figures: Annotated[
+        str | None,
+        typer.Option(metavar="DIR", help="Draw the stable region, over β and k_s and over L, into this folder."),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Analyse the sampled loop, frozen over the workspace. Exit status 1 when it is unstable somewhere."""
@@ -135,6 +139,11 @@ def stability(
         delay=delay,
         box=parse_box(box),
     )
+    if figures is not None:
+        from asmc_pin.condition.stability.figures import save_figures
+
+        for path in save_figures(loaded, report.loop, figures, box=parse_box(box)):
+            note(f"wrote {path}")
     if as_json:
         print_json(report.to_json_dict())
     else:

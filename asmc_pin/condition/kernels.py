@@ -16,6 +16,27 @@ WEIGHTED_SCALE = 3  # λ_max(A): twice the inverse of the factor of M̄ at which
 BANDWIDTH = 4  # −λ_min(A)
 
 
+# Elements are set in loops throughout: an assignment between arrays makes the compiler spend seconds on the message of
+# a shape error that cannot occur.
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def fill_diagonal(diagonal: Array, root: bool, out: Array) -> None:
+    """out = diag(diagonal), or the root of it; diagonal (n,), out (n, n)."""
+    for i in range(diagonal.size):
+        for j in range(diagonal.size):
+            out[i, j] = 0.0
+        out[i, i] = np.sqrt(diagonal[i]) if root else diagonal[i]
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def subtract_from_identity(x: Array) -> None:
+    """x = I − x, in place; x (n, n)."""
+    for i in range(x.shape[0]):
+        for j in range(x.shape[0]):
+            x[i, j] = (1.0 if i == j else 0.0) - x[i, j]
+
+
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def figure(kind: int, mass: Array, mbar: Array, factor: Array, x: Array, square: Array, work: Array) -> float:
     """One figure of one inertia matrix; NaN where M is not positive definite.
@@ -33,19 +54,13 @@ def figure(kind: int, mass: Array, mbar: Array, factor: Array, x: Array, square:
     if not cholesky(mass, factor):
         return np.nan
     if kind == LEMMA1:
-        for i in range(n):
-            for j in range(n):
-                x[i, j] = mbar[i] if i == j else 0.0
+        fill_diagonal(mbar, False, x)
         solve_lower(factor, x)
         solve_upper(factor, x)
-        for i in range(n):
-            for j in range(n):
-                x[i, j] = (1.0 if i == j else 0.0) - x[i, j]
+        subtract_from_identity(x)
         gram(x, square)
     elif kind in (WEIGHTED, WEIGHTED_SCALE):
-        for i in range(n):
-            for j in range(n):
-                x[i, j] = np.sqrt(mbar[i]) if i == j else 0.0
+        fill_diagonal(mbar, True, x)
         solve_lower(factor, x)
         gram(x, square)
     elif kind == LEMMA1_SCALE:
@@ -58,7 +73,9 @@ def figure(kind: int, mass: Array, mbar: Array, factor: Array, x: Array, square:
                 square[i, j] = mass[i, j] / np.sqrt(mbar[i] * mbar[j])
     values = work[0]
     eigenvalues(square, values, work[1], work[2])
-    least, most = float(values.min()), float(values.max())
+    least, most = values[0], values[0]
+    for i in range(1, n):
+        least, most = min(least, values[i]), max(most, values[i])
     if kind == LEMMA1:
         return float(np.sqrt(max(most, 0.0)))
     if kind == WEIGHTED:
@@ -107,15 +124,17 @@ def extreme(kind: int, mass: Array, mbar: Array, left: Array, right: Array) -> t
     factor, square, vectors, x = np.zeros((n, n)), np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
     if not cholesky(mass, factor):
         return np.nan, 0.0
-    root = np.sqrt(mbar)
+    root = np.empty(n)
+    for i in range(n):
+        root[i] = np.sqrt(mbar[i])
     if kind == LEMMA1:
-        x[:, :] = np.diag(mbar)
+        fill_diagonal(mbar, False, x)
         solve_lower(factor, x)
         solve_upper(factor, x)
-        x[:, :] = np.eye(n) - x
+        subtract_from_identity(x)
         gram(x, square)
     elif kind in (WEIGHTED, WEIGHTED_SCALE):
-        x[:, :] = np.diag(root)
+        fill_diagonal(mbar, True, x)
         solve_lower(factor, x)
         gram(x, square)
     else:
@@ -147,8 +166,8 @@ def extreme(kind: int, mass: Array, mbar: Array, left: Array, right: Array) -> t
             pair[i, 1] = mbar[i] * vectors[i, best]
         solve_lower(factor, pair)
         solve_upper(factor, pair)
-        left[:] = pair[:, 0]
-        right[:] = pair[:, 1]
+        for i in range(n):
+            left[i], right[i] = pair[i, 0], pair[i, 1]
         return norm, 1.0
     if kind in (WEIGHTED, WEIGHTED_SCALE):
         # λ = wᵀ M̄^½ M⁻¹ M̄^½ w, so dλ = −zᵀ dM z with z = M⁻¹M̄^½ w.
@@ -157,8 +176,8 @@ def extreme(kind: int, mass: Array, mbar: Array, left: Array, right: Array) -> t
             pair[i, 1] = 0.0
         solve_lower(factor, pair)
         solve_upper(factor, pair)
-        left[:] = pair[:, 0]
-        right[:] = pair[:, 0]
+        for i in range(n):
+            left[i] = right[i] = pair[i, 0]
         if kind == WEIGHTED_SCALE:
             return value, -1.0
         return abs(1.0 - value), -1.0 if value > 1.0 else 1.0

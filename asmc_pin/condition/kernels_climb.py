@@ -21,8 +21,12 @@ _LONGEST_STEP = 0.5  # of one coordinate, rad: a basin is about that wide
 def _look(kind: int, chain: Chain, mbar: Array, z: Array, start: Array, width: Array, gradient: Array) -> float:
     """The figure at z = (q, share of the armature's range), with its gradient by z."""
     n = mbar.size
-    value = figure_gradient(kind, chain, start + width * z[n:], z[:n], mbar, gradient[:n], gradient[n:])
-    gradient[n:] *= width
+    armature = np.empty(n)
+    for i in range(n):
+        armature[i] = start[i] + width[i] * z[n + i]
+    value = figure_gradient(kind, chain, armature, z[:n], mbar, gradient[:n], gradient[n:])
+    for i in range(n):
+        gradient[n + i] *= width[i]
     return value
 
 
@@ -114,20 +118,21 @@ def climb(
                     break
                 fresh = True
                 continue
-            curvature, size_y = 0.0, 0.0
+            curvature, size_y, size_s = 0.0, 0.0, 0.0
             for i in range(size):
                 step[i] = trial[i] - x[i]
                 # Minimising −f: the change of its gradient.
                 change[i] = gradient[i] - trial_gradient[i]
                 curvature += step[i] * change[i]
                 size_y += change[i] * change[i]
+                size_s += step[i] * step[i]
                 x[i] = trial[i]
                 gradient[i] = trial_gradient[i]
             gain = trial_value - value
             value = trial_value
             if gain <= 1e-15 * abs(value):
                 break
-            if curvature > 1e-12 * np.sqrt(size_y) * np.sqrt(np.sum(step * step)):
+            if curvature > 1e-12 * np.sqrt(size_y) * np.sqrt(size_s):
                 if fresh:
                     for i in range(size):
                         inverse[i, i] = curvature / size_y
