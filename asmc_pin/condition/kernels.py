@@ -22,7 +22,7 @@ BANDWIDTH = 4  # −λ_min(A)
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def fill_diagonal(diagonal: Array, root: bool, out: Array) -> None:
-    """out = diag(diagonal), or the root of it; diagonal (n,), out (n, n)."""
+    """Write diag(diagonal), or the root of it, into out; diagonal (n,), out (n, n)."""
     for i in range(diagonal.size):
         for j in range(diagonal.size):
             out[i, j] = 0.0
@@ -31,7 +31,7 @@ def fill_diagonal(diagonal: Array, root: bool, out: Array) -> None:
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def subtract_from_identity(x: Array) -> None:
-    """x = I − x, in place; x (n, n)."""
+    """Replace x, (n, n), by I − x."""
     for i in range(x.shape[0]):
         for j in range(x.shape[0]):
             x[i, j] = (1.0 if i == j else 0.0) - x[i, j]
