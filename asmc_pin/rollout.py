@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +14,7 @@ from asmc_pin.errors import ParameterError
 from asmc_pin.plant import Plant
 from asmc_pin.plant.parameters import per_trial
 from asmc_pin.plant.record import LimitViolation, Rollout, outside_limits
-from asmc_pin.plant.recorder import CHUNK, Recorder
+from asmc_pin.plant.recorder import CHUNK, MEASURED, TRUTH, Recorder
 from asmc_pin.references.base import Reference
 
 __all__ = ["LimitViolation", "Rollout", "rollout"]
@@ -31,6 +31,7 @@ def rollout(
     q0: ArrayLike | None = None,
     v0: ArrayLike | None = None,
     progress: Callable[[int, int], None] | None = None,
+    trials: Sequence[int] | None = None,
 ) -> Rollout:
     """Run a law on a plant along a reference.
 
@@ -50,6 +51,8 @@ def rollout(
         q0: q(0), (nv,) or (batch, nv), rad; None for the reference's.
         v0: v(0), (nv,) or (batch, nv), rad/s; None for the reference's.
         progress: Called now and then with the ticks done and their total.
+        trials: Numbers of the trials in a larger study, which with the plant's seed determine their noise and scatter;
+            0, 1, … when omitted.
 
     Returns:
         The run, with round(duration/period) + 1 ticks.
@@ -70,12 +73,19 @@ def rollout(
         np.broadcast_to(x[:, None], (ticks, batch, plant.nv)) for x in (wanted.q, wanted.v, wanted.a)
     )
 
-    motion = plant.begin(q, v, period)
+    trials = _trials(trials, batch)
+    plant = plant.for_trials(trials)
+    motion = plant.begin(q, v, period, trials)
+    held = motion.torque
     stopped_at = np.full(batch, ticks)
     k = 0
     with np.errstate(all="ignore"):
         state = controller.init(motion.sample())
-        recorder = Recorder(wanted, batch, _ks_of(controller, plant.nv), adaptive=hasattr(state, "gain"))
+        names = [*TRUTH]
+        names += [] if motion.ideal_sensor else MEASURED
+        names += [] if motion.external is None else ["external_torque"]
+        names += ["gain"] if hasattr(state, "gain") else []
+        recorder = Recorder(wanted, batch, _ks_of(controller, plant.nv), names)
         while k < ticks and motion.active.any():
             stopped = motion.stop_diverged(wanted.q[k])
             sample = motion.sample()
@@ -83,20 +93,27 @@ def rollout(
             stopped |= motion.apply(_torque_of(controller, command, batch, plant.nv))
             if stopped:
                 stopped_at[~motion.active & (stopped_at == ticks)] = k
-            recorder.write(k, sample, motion.torque, motion.advance(), getattr(state, "gain", None))
+            q, v = motion.q, motion.v
+            friction = motion.advance()
+            values = [q, v, motion.torque, friction]
+            values += [] if motion.ideal_sensor else [sample.q, sample.v, sample.torque]
+            values += [] if motion.external is None else [motion.external]
+            values += [state.gain] if names[-1] == "gain" else []
+            recorder.write(k, values)
             k += 1
             if progress is not None and (k % CHUNK == 0 or k == ticks):
                 progress(k, ticks)
-        recorder.finish(k, stopped_at)
+        histories = recorder.finish(k, stopped_at)
     if progress is not None and k < ticks:
         progress(ticks, ticks)
 
     end_time = time[np.minimum(stopped_at, ticks - 1)]
-    for array in (time, wanted.q, wanted.v, wanted.a, end_time):
+    for array in (time, wanted.q, wanted.v, wanted.a, end_time, held):
         array.setflags(write=False)
     return Rollout(
         time=time,
-        **recorder.histories(),
+        **histories,
+        held_torque=held,
         q_ref=wanted.q,
         v_ref=wanted.v,
         a_ref=wanted.a,
@@ -104,8 +121,17 @@ def rollout(
         end_time=end_time,
         joint_names=tuple(plant.arm.joint_names),
         period=period,
-        limit_violations=outside_limits(plant, time, recorder.q),
+        limit_violations=outside_limits(plant, time, histories["q"]),
     )
+
+
+def _trials(trials: Sequence[int] | None, batch: int) -> Sequence[int]:
+    if trials is None:
+        return range(batch)
+    numbers = tuple(trials)
+    if len(numbers) != batch or any(isinstance(n, bool) or int(n) != n or n < 0 for n in numbers):
+        raise ParameterError("trials", f"{numbers!r} given; expected {batch} whole numbers, 0 or more")
+    return tuple(int(n) for n in numbers)
 
 
 def _period_of(controller: Controller, period: float | None) -> float:

@@ -37,6 +37,9 @@ class FreeDynamics:
 
     A trial's result does not depend on its neighbours, nor on the number of threads, to the last bit.
 
+    Attributes:
+        nv: Number of joints.
+
     Args:
         arms: One arm for all trials, or one per trial.
         batch: Number of trials.
@@ -44,6 +47,7 @@ class FreeDynamics:
     """
 
     def __init__(self, arms: Sequence[Arm], batch: int, threads: int) -> None:
+        self.nv = int(arms[0].nv)
         members: dict[int, list[int]] = {}
         for trial in range(batch):
             members.setdefault(id(arms[trial % len(arms)]), []).append(trial)

@@ -4,8 +4,9 @@ Time-stepping friction (Moreau) asks for the joint velocity v⁺ at the end of a
 
     M (v⁺ − v_free) + h B v⁺ + h f = 0,    fᵢ ∈ cᵢ Sgn(v⁺ᵢ),    Sgn(0) = [−1, 1],
 
-where v_free is the velocity without friction, B the viscous coefficients and c the Coulomb levels (one per direction of
-motion). These are the optimality conditions of the strictly convex problem
+where v_free is the velocity without friction, B the viscous coefficients and c the levels (one per direction of motion;
+with a Stribeck curve those of the velocity at the start of the step). These are the optimality conditions of the
+strictly convex problem
 
     min over v⁺ of  ½ v⁺ᵀ(M + hB)v⁺ − (M v_free)ᵀv⁺ + h Σ cᵢ|v⁺ᵢ|,
 
@@ -35,7 +36,7 @@ FACES_PER_JOINT = 20
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _solve_face(matrix: Array, rhs: Array, face: IntArray, count: int, factor: Array, solution: Array) -> None:
+def solve_face(matrix: Array, rhs: Array, face: IntArray, count: int, factor: Array, solution: Array) -> None:
     """Solve matrix[F, F] x[F] = rhs[F] by Cholesky, F the first `count` entries of `face`; leave the rest of x."""
     for i in range(count):
         row = face[i]
@@ -57,11 +58,11 @@ def _solve_face(matrix: Array, rhs: Array, face: IntArray, count: int, factor: A
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _load(i: int, matrix: Array, damping: Array, free: Array, correction: Array) -> tuple[float, float]:
+def _load(i: int, matrix: Array, drag: Array, correction: Array) -> tuple[float, float]:
     """Friction impulse h·fᵢ that balances sticking joint i, and the sum of the magnitudes of its terms."""
-    load = -damping[i] * free[i]
+    load = -drag[i]
     magnitude = abs(load)
-    for j in range(free.size):
+    for j in range(drag.size):
         term = matrix[i, j] * correction[j]
         load -= term
         magnitude += abs(term)
@@ -71,7 +72,7 @@ def _load(i: int, matrix: Array, damping: Array, free: Array, correction: Array)
 @njit(cache=True, nogil=True, inline="always")
 def _set_up_face(
     matrix: Array,
-    damping: Array,
+    drag: Array,
     forward: Array,
     backward: Array,
     free: Array,
@@ -95,7 +96,7 @@ def _set_up_face(
             count += 1
     for k in range(count):
         i = face[k]
-        total = -damping[i] * free[i]
+        total = -drag[i]
         if sign[i] != 0:
             total -= forward[i] if sign[i] > 0 else -backward[i]
         for j in range(free.size):
@@ -136,7 +137,7 @@ def _go(face: IntArray, count: int, free: Array, correction: Array, sign: IntArr
 @njit(cache=True, nogil=True, inline="always")
 def _let_go(
     matrix: Array,
-    damping: Array,
+    drag: Array,
     forward: Array,
     backward: Array,
     free: Array,
@@ -150,7 +151,7 @@ def _let_go(
     toward = 0
     for i in range(free.size):
         if kink[i] and sign[i] == 0:
-            load, magnitude = _load(i, matrix, damping, free, correction)
+            load, magnitude = _load(i, matrix, drag, correction)
             excess = load - forward[i] if load > 0.0 else -load - backward[i]
             if excess > worst and excess > RELEASE_TOLERANCE * magnitude:
                 worst = excess
@@ -164,7 +165,7 @@ def _let_go(
 @njit(cache=True, nogil=True)
 def _walk(
     matrix: Array,
-    damping: Array,
+    drag: Array,
     forward: Array,
     backward: Array,
     free: Array,
@@ -174,8 +175,8 @@ def _walk(
 ) -> bool:
     """Walk to the optimal face from that of `present`; leave the solution in `sign` and `correction`.
 
-    `damping`, `forward` and `backward` are h·B and h·c of motion forwards and backwards. A joint without Coulomb
-    friction has sign 0 too, but no kink to stick in.
+    `drag` is the impulse of viscous friction at v_free, `forward` and `backward` are h·c of motion forwards and
+    backwards. A joint without Coulomb friction has sign 0 too, but no kink to stick in.
     """
     nv = free.size
     kink = np.empty(nv, np.bool_)
@@ -186,12 +187,12 @@ def _walk(
         kink[i] = forward[i] > 0.0 or backward[i] > 0.0
         sign[i] = int(np.sign(present[i])) if kink[i] else 0
     for _ in range(FACES_PER_JOINT * nv + 1):
-        count = _set_up_face(matrix, damping, forward, backward, free, kink, sign, face, rhs, correction)
-        _solve_face(matrix, rhs, face, count, factor, correction)
+        count = _set_up_face(matrix, drag, forward, backward, free, kink, sign, face, rhs, correction)
+        solve_face(matrix, rhs, face, count, factor, correction)
         blocker = _go(face, count, free, correction, sign, present)
         if blocker == -2:
             return False
-        if blocker == -1 and not _let_go(matrix, damping, forward, backward, free, kink, correction, sign):
+        if blocker == -1 and not _let_go(matrix, drag, forward, backward, free, kink, correction, sign):
             return True
     return False
 
@@ -208,6 +209,7 @@ def slide_or_stick(
     active: BoolArray,
     next_velocity: Array,
     impulse: Array,
+    implicit: float = 1.0,
 ) -> None:
     """Velocity after one step under Coulomb and viscous friction, for a batch of trials.
 
@@ -225,10 +227,13 @@ def slide_or_stick(
             rad/s.
         impulse: Added to: impulse of friction on the joint, so negative where it slides forwards. Shape (batch, nv),
             N·m·s.
+        implicit: Share of v⁺ in the velocity that viscous friction acts at, the rest is v: 1 as in the equations above,
+            1/2 for the trapezoidal rule.
     """
     batch, nv = velocity.shape
     matrix = np.empty((nv, nv))
     damping = np.empty(nv)
+    drag = np.empty(nv)
     ahead = np.empty(nv)
     back = np.empty(nv)
     free = np.empty(nv)
@@ -242,21 +247,40 @@ def slide_or_stick(
             present[i] = velocity[trial, i]
             free[i] = present[i] + step * acceleration[trial, i]
             damping[i] = step * viscous[trial, i]
+            drag[i] = damping[i] * (implicit * free[i] + (1.0 - implicit) * present[i])
             ahead[i] = step * forward[trial, i]
             back[i] = step * backward[trial, i]
             for j in range(nv):
                 matrix[i, j] = mass[trial, i, j]
-            matrix[i, i] += damping[i]
-        solved = _walk(matrix, damping, ahead, back, free, present, sign, correction)
+            matrix[i, i] += implicit * damping[i]
+        solved = _walk(matrix, drag, ahead, back, free, present, sign, correction)
         for i in range(nv):
             speed = free[i] + correction[i]
+            before = (1.0 - implicit) * velocity[trial, i]
             if not solved:
                 next_velocity[trial, i] = np.nan
             elif sign[i] == 0 and (ahead[i] > 0.0 or back[i] > 0.0):
                 next_velocity[trial, i] = 0.0
-                impulse[trial, i] -= _load(i, matrix, damping, free, correction)[0]
+                impulse[trial, i] -= _load(i, matrix, drag, correction)[0] + damping[i] * before
             else:
                 next_velocity[trial, i] = speed
-                impulse[trial, i] -= damping[i] * speed + (
+                impulse[trial, i] -= damping[i] * (implicit * speed + before) + (
                     ahead[i] if sign[i] > 0 else -back[i] if sign[i] < 0 else 0.0
                 )
+
+
+@njit(cache=True, nogil=True)
+def stribeck_levels(velocity: Array, coulomb: Array, breakaway: Array, scale: Array, level: Array) -> None:
+    """Friction's level at a velocity: coulomb + (breakaway − coulomb)·exp(−(v/scale)²); at rest exactly breakaway.
+
+    Args:
+        velocity: Shape (batch, nv), rad/s.
+        coulomb: Level of fast motion, (batch, nv), N·m.
+        breakaway: Level at rest, (batch, nv), N·m.
+        scale: Stribeck velocity, (batch, nv), rad/s.
+        level: Written, (batch, nv), N·m.
+    """
+    for trial in range(velocity.shape[0]):
+        for i in range(velocity.shape[1]):
+            x = velocity[trial, i] / scale[trial, i]
+            level[trial, i] = coulomb[trial, i] + (breakaway[trial, i] - coulomb[trial, i]) * np.exp(-x * x)

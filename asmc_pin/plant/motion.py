@@ -2,62 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from asmc_pin._typing import Array, BoolArray
 from asmc_pin.controllers.base import Sample
+from asmc_pin.errors import ParameterError
+from asmc_pin.plant.actuator import Actuator
 from asmc_pin.plant.dynamics import FreeDynamics
-from asmc_pin.plant.friction_kernels import slide_or_stick
+from asmc_pin.plant.elastic import ElasticMechanics
+from asmc_pin.plant.end_stops import StopForces
 from asmc_pin.plant.integrators import INTEGRATORS
+from asmc_pin.plant.loads import Loads
+from asmc_pin.plant.mechanics import JointFriction, JointMechanics
+from asmc_pin.plant.sensing import Sensing
 from asmc_pin.plant.tick_kernels import limit_torque, stop_diverged
 
 if TYPE_CHECKING:
     from asmc_pin.plant.plant import Plant
 
-
-@dataclass(frozen=True, eq=False)
-class JointMechanics:
-    """Arms and friction of a batch, as a scheme of `asmc_pin.plant.integrators` sees them.
-
-    Attributes:
-        free: The arms without friction.
-        coulomb: Shape (batch, nv), N·m.
-        viscous: Shape (batch, nv), N·m·s/rad.
-        active: Trials that are integrated, shape (batch,).
-        frictionless: Whether no trial has any friction.
-    """
-
-    free: FreeDynamics
-    coulomb: Array
-    viscous: Array
-    active: BoolArray
-    frictionless: bool
-
-    def acceleration(self, q: Array, v: Array, torque: Array) -> Array:
-        """Joint acceleration without friction, (batch, nv), rad/s²."""
-        return self.free.acceleration(q, v, torque)
-
-    def after_friction(self, q: Array, v: Array, acceleration: Array, step: float, impulse: Array) -> Array:
-        """Velocity after the step, rad/s, exactly 0.0 where a joint sticks; adds to friction's `impulse`, N·m·s."""
-        if self.frictionless:
-            return v + step * acceleration
-        next_v = v.copy()  # what stopped trials keep
-        slide_or_stick(
-            self.free.mass_matrix(q),
-            v,
-            acceleration,
-            self.coulomb,
-            self.coulomb,
-            self.viscous,
-            step,
-            self.active,
-            next_v,
-            impulse,
-        )
-        return next_v
+# A spring that turns further than this in a step, in radians of its own oscillation, is not resolved: the schemes blow
+# up at 2 (semi_implicit, midpoint) and 2.8 (rk4).
+SPRING_ANGLE = 1.0
 
 
 class Motion:
@@ -68,30 +36,79 @@ class Motion:
     Attributes:
         q: Angles, shape (batch, nv), rad.
         v: Velocities, shape (batch, nv), rad/s.
-        torque: Torque that the drives apply since the last `apply`, after their limits, (batch, nv), N·m.
+        torque: Torque of the drives at the joints, after their limits, (batch, nv), N·m: its mean over the last period
+            once `advance` has gone over it. With rigid gears that is what the joints feel.
+        external: Mean torque of the disturbances over the last period, (batch, nv), N·m; None without any.
         active: Trials that are still integrated, shape (batch,). A stopped trial is parked at zero: Pinocchio still
             runs over the whole batch and the law is still asked, so what they read has to be finite.
     """
 
-    def __init__(self, plant: Plant, period: float, q: Array, v: Array) -> None:
+    def __init__(self, plant: Plant, period: float, q: Array, v: Array, trials: Sequence[int]) -> None:
         batch, nv = q.shape
-        self.q, self.v = q, v
         self.active: BoolArray = np.ones(batch, dtype=np.bool_)
         self._all_active = True
-        self._plant = plant
-        self._period = period
+        self._plant, self._period, self._nv = plant, period, nv
         self._step = period / plant.substeps
         self._integrate = INTEGRATORS[plant.integrator]
-        coulomb, viscous = plant.friction.of_trials(batch, nv)
-        free = FreeDynamics(plant.arms, batch, plant.threads)
+        self._ticks = 0
+        self._changes = [round(change.time / period) for change in plant.payload_changes]
+        free = FreeDynamics(plant.arms_at(0.0, period), batch, plant.threads)
         self._limit = plant.torque_limits(batch)
-        self._mechanics = JointMechanics(
-            free, coulomb, viscous, self.active, frictionless=not (coulomb.any() or viscous.any())
+        self._loads = (
+            Loads(plant.disturbances, plant.arm, period, batch, plant.seed, trials) if plant.disturbances else None
         )
+        self.external = None if self._loads is None else np.zeros((batch, nv))
+        friction = JointFriction(plant.friction, batch, nv, self.active)
+        stops = None if plant.end_stops is None else StopForces(plant.end_stops, plant.arm.lower, plant.arm.upper)
+        self._links = JointMechanics(free, friction, stops, self._loads)
         if plant.start == "holding":
             self.torque = np.clip(free.gravity(q), -self._limit, self._limit)
         else:
             self.torque = np.zeros((batch, nv))
+        self._mechanics: JointMechanics | ElasticMechanics = self._links
+        self._x, self._w = q, v
+        drive = plant.drive
+        if drive is not None and drive.elastic:
+            at_motor = drive.friction == "motor"
+            friction = friction.extended(nv if at_motor else 0, 0 if at_motor else nv)
+            self._mechanics = ElasticMechanics(self._links, drive, friction)
+            self._x = np.hstack([q, self._mechanics.deflected(q, self.torque)])
+            self._w = np.hstack([v, v])
+        self._check_springs(q)
+        self._actuator = (
+            Actuator(drive, self._limit, self.torque, period, plant.substeps, self.active)
+            if drive is not None and drive.shapes_torque
+            else None
+        )
+        self._motor_side = plant.sensor is not None and plant.sensor.side == "motor"
+        self._sensing = (
+            None
+            if plant.sensor is None
+            else Sensing(
+                plant.sensor,
+                np.ones(()) if drive is None else drive.gear,
+                *self._sensed(),
+                period=period,
+                seed=plant.seed,
+                trials=trials,
+            )
+        )
+        self._sample: Sample | None = None
+
+    @property
+    def q(self) -> Array:
+        """Joint angles, (batch, nv), rad."""
+        return self._x if self._x.shape[1] == self._nv else self._x[:, : self._nv]
+
+    @property
+    def v(self) -> Array:
+        """Joint velocities, (batch, nv), rad/s."""
+        return self._w if self._w.shape[1] == self._nv else self._w[:, : self._nv]
+
+    @property
+    def ideal_sensor(self) -> bool:
+        """Whether the law is told the truth."""
+        return self._sensing is None
 
     def stop_diverged(self, q_ref: Array) -> bool:
         """Stop the trials that are too fast or too far from q_ref, (nv,), for the plant's bounds; True if any is."""
@@ -99,13 +116,22 @@ class Motion:
         return self._note(stop_diverged(self.q, self.v, q_ref, plant.speed_bound, plant.error_bound, self.active))
 
     def sample(self) -> Sample:
-        """What the drives report now; read-only."""
-        return Sample(_view(self.q), _view(self.v), _view(self.torque))
+        """What the drives report now; read-only. Asked again in the same tick it is the same."""
+        if self._sample is None:
+            if self._sensing is None:
+                self._sample = Sample(_view(self.q), _view(self.v), _view(self.torque))
+            else:
+                read = self._sensing.read(*self._sensed(), self.torque)
+                self._sample = Sample(_view(read.q), _view(read.v), _view(read.torque))
+        return self._sample
 
     def apply(self, command: Array) -> bool:
         """Hold the command, (batch, nv), within the drives' limits; True if a trial's is not finite, which stops it."""
         self.torque = np.empty_like(command)
-        return self._note(limit_torque(command, self._limit, self.active, self.torque))
+        stopped = self._note(limit_torque(command, self._limit, self.active, self.torque))
+        if self._actuator is not None:
+            self._actuator.command(self.torque)
+        return stopped
 
     def advance(self) -> Array:
         """Carry the trials over one control period.
@@ -114,22 +140,69 @@ class Motion:
             Torque of friction on the joints, its mean over the period, (batch, nv), N·m: against the motion where a
             joint slides, against the load where it sticks.
         """
-        impulse = np.zeros_like(self.q)
-        q, v = self.q, self.v
-        for _ in range(self._plant.substeps):
-            q, v = self._integrate(self._mechanics, q, v, self.torque, self._step, impulse)
+        if self._ticks in self._changes:
+            arms = self._plant.arms_at(self._ticks * self._period, self._period)
+            self._links.free = FreeDynamics(arms, len(self._x), self._plant.threads)
+        if self._loads is not None:
+            self._loads.tick()
+            self.external = np.zeros_like(self.torque)
+        impulse = np.zeros_like(self._x)
+        x, w = self._x, self._w
+        for index in range(self._plant.substeps):
+            x, w = self._integrate(self._mechanics, x, w, self._step_torque(index, x, w), self._step, impulse)
         if not self._all_active:
-            q = np.where(self.active[:, None], q, self.q)
-            v = np.where(self.active[:, None], v, self.v)
-        self.q, self.v = q, v
-        return impulse / self._period
+            x = np.where(self.active[:, None], x, self._x)
+            w = np.where(self.active[:, None], w, self._w)
+        self._x, self._w = x, w
+        self._ticks += 1
+        self._sample = None
+        if self._actuator is not None:
+            self.torque = self._actuator.mean()
+        nv = self._nv
+        return (impulse if impulse.shape[1] == nv else impulse[:, :nv] + impulse[:, nv:]) / self._period
+
+    def _step_torque(self, index: int, x: Array, w: Array) -> Array:
+        """Mean torque of the drives over an integration step; sets what else acts then."""
+        nv = self._nv
+        torque = self.torque if self._actuator is None else self._actuator.torque(index, w[:, -nv:])
+        if self._loads is not None:
+            since = self._ticks * self._period + index * self._step
+            self._loads.hold(since, since + self._step)
+            assert self.external is not None
+            self.external += self._loads.torque(np.ascontiguousarray(x[:, :nv])) / self._plant.substeps
+        return torque if x.shape[1] == nv else np.hstack([np.zeros_like(torque), torque])
+
+    def _sensed(self) -> tuple[Array, Array]:
+        """What the encoders are fixed to: links, or rotors where they have coordinates of their own."""
+        return (self._x[:, -self._nv :], self._w[:, -self._nv :]) if self._motor_side else (self.q, self.v)
 
     def _note(self, stopped: int) -> bool:
         if stopped:
             self._all_active = False
-            self.q = np.where(self.active[:, None], self.q, 0.0)
-            self.v = np.where(self.active[:, None], self.v, 0.0)
+            self._x = np.where(self.active[:, None], self._x, 0.0)
+            self._w = np.where(self.active[:, None], self._w, 0.0)
+            if self._sensing is None:
+                self._sample = None
         return bool(stopped)
+
+    def _check_springs(self, q: Array) -> None:
+        """Refuse springs that the step does not resolve."""
+        found = []
+        if isinstance(self._mechanics, ElasticMechanics):
+            found.append(("drive.stiffness", "gear", self._mechanics.fastest(q)))
+        if self._links.stops is not None:
+            diagonal = np.diagonal(np.linalg.inv(self._links.mass_matrix(q)), axis1=1, axis2=2)
+            found.append(
+                ("end_stops.stiffness", "stops", float(np.sqrt((diagonal * self._links.stops.stiffness).max())))
+            )
+        for name, what, rate in found:
+            if rate * self._step > SPRING_ANGLE:
+                least = int(np.ceil(rate * self._period / SPRING_ANGLE))
+                raise ParameterError(
+                    name,
+                    f"the {what} swing at {rate:.4g} rad/s at q(0), too fast for steps of {self._step:.3g} s; take at "
+                    f"least {least} substeps, or soften them",
+                )
 
 
 def _view(array: Array) -> Array:

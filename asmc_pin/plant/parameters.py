@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
+from asmc_pin.controllers.parameters import PerJoint, parameters_of
 from asmc_pin.errors import ParameterError
 
 
@@ -43,3 +46,34 @@ def per_trial(name: str, value: ArrayLike, batch: int, nv: int) -> Array:
             f"give {batch} rows, or one value per joint for all",
         )
     return np.broadcast_to(array, (batch, nv)).copy()
+
+
+class OptionalPerJoint(PerJoint):
+    """A scalar for all joints or one value for each, or None: what it stands for is absent."""
+
+    def __init__(
+        self, meaning: str, unit: str = "", *, above: float | None = None, at_least: float | None = None
+    ) -> None:
+        super().__init__(meaning, unit, above=above, at_least=at_least)
+        self.default = None
+
+    def convert(self, value: Any) -> Any:
+        """None, or a read-only array of shape () or (nv,)."""
+        return None if value is None else super().convert(value)
+
+
+def sized(table: str, instance: object, nv: int) -> None:
+    """Check that each `PerJoint` field of a dataclass is a scalar or has nv values.
+
+    Raises:
+        ParameterError: names the field, ``table.field``.
+    """
+    for name, item in parameters_of(type(instance)).items():
+        value = getattr(instance, name)
+        if isinstance(item, PerJoint) and value is not None:
+            per_trial(f"{table}.{name}", value, 1, nv)
+
+
+def row(value: ArrayLike | None, nv: int, absent: float) -> Array:
+    """A checked per-joint parameter as a new array of shape (nv,); `absent` where it is None."""
+    return np.array(np.broadcast_to(np.float64(absent) if value is None else np.asarray(value), (nv,)))

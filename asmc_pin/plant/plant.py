@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass
 from typing import Literal
 
@@ -12,18 +13,26 @@ from numpy.typing import ArrayLike
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
 from asmc_pin.errors import ParameterError
+from asmc_pin.plant.disturbance import Disturbance, PayloadChange
+from asmc_pin.plant.drive import Drive
+from asmc_pin.plant.end_stops import EndStops
 from asmc_pin.plant.friction import Friction
 from asmc_pin.plant.integrators import INTEGRATORS
 from asmc_pin.plant.motion import Motion
 from asmc_pin.plant.parameters import per_trial, read_only
+from asmc_pin.plant.sensor import Sensor
+from asmc_pin.plant.spread import Spread
 
 
 @dataclass(frozen=True, eq=False, init=False)
 class Plant:
     """Ground truth: arms with friction and drives, for one trial or a batch; parameters only, `begin` starts it.
 
+    What is None or empty is ideal or absent: drives apply their command at once, sensors report the truth.
+
     Attributes:
         arms: The arm of all trials, or one per trial (payload, armature and the like may differ, the joints may not).
+            Rotors of rigid gears are in the armature.
         substeps: Integration steps per control period; the torque is held over all of them.
         friction: Joint friction; its arrays may be per trial.
         effort_limit: Torque limits of the drives, (nv,) or (batch, nv), N·m (N); inf for none.
@@ -33,6 +42,13 @@ class Plant:
         speed_bound: A trial has diverged when a joint is faster, rad/s (m/s).
         error_bound: A trial has diverged when a joint is further from its reference, rad (m).
         threads: Threads for Pinocchio; the result does not depend on them.
+        drive: What comes between command and joint torque.
+        sensor: What the law is told of angles and velocities.
+        end_stops: Stops at the position limits.
+        disturbances: External torques and wrenches.
+        payload_changes: What is picked up or put down, in order of time.
+        spread: Scatter of the parameters from trial to trial.
+        seed: Seed of all that is random.
     """
 
     arms: tuple[Arm, ...]
@@ -44,6 +60,13 @@ class Plant:
     speed_bound: float
     error_bound: float
     threads: int
+    drive: Drive | None
+    sensor: Sensor | None
+    end_stops: EndStops | None
+    disturbances: tuple[Disturbance, ...]
+    payload_changes: tuple[PayloadChange, ...]
+    spread: Spread | None
+    seed: int
 
     def __init__(
         self,
@@ -57,6 +80,13 @@ class Plant:
         speed_bound: float = 1e3,
         error_bound: float = 1e2,
         threads: int = 1,
+        drive: Drive | None = None,
+        sensor: Sensor | None = None,
+        end_stops: EndStops | None = None,
+        disturbances: Sequence[Disturbance] = (),
+        payload_changes: Sequence[PayloadChange] = (),
+        spread: Spread | None = None,
+        seed: int = 0,
     ) -> None:
         """Check and freeze the parameters.
 
@@ -70,8 +100,14 @@ class Plant:
             speed_bound: Positive.
             error_bound: Positive.
             threads: At least 1. More than one pays from some 64 trials on, and only on processors that are otherwise
-                idle:
-            OpenMP's threads spin while they wait, so beside other work the run takes several times longer.
+                idle: OpenMP's threads spin while they wait, so beside other work the run takes several times longer.
+            drive: None for an ideal one.
+            sensor: None for an ideal one.
+            end_stops: None: a joint passes its limits, and the run says so.
+            disturbances: Any number.
+            payload_changes: Any number; they replace each other in order of time.
+            spread: None for trials that are all alike.
+            seed: Whole number, 0 or more.
 
         Raises:
             ParameterError: a parameter has a wrong size, sign or value.
@@ -106,16 +142,39 @@ class Plant:
             "speed_bound": float(speed_bound),
             "error_bound": float(error_bound),
             "threads": threads,
+            "drive": drive,
+            "sensor": sensor,
+            "end_stops": end_stops,
+            "disturbances": tuple(disturbances),
+            "payload_changes": tuple(sorted(payload_changes, key=lambda change: change.time)),
+            "spread": spread,
+            "seed": _seed(seed),
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)
-        # What is for another number of joints is found here; whether it suits the batch, when there is one.
-        for name, array in (
-            ("friction.coulomb", friction.coulomb),
-            ("friction.viscous", friction.viscous),
-            ("effort_limit", limit),
-        ):
-            per_trial(name, array, len(array) if array.ndim == 2 else 1, self.nv)
+        self._check_options()
+        if drive is not None and not drive.elastic and np.any(drive.reflected_inertia > 0.0):
+            object.__setattr__(self, "arms", _shared(arms, lambda arm: _with_rotors(arm, drive)))
+
+    def _check_options(self) -> None:
+        """Find what is for another number of joints; whether it suits the batch is seen when there is one."""
+        limit = self.effort_limit
+        self.friction.check(self.nv)
+        per_trial("effort_limit", limit, len(limit) if limit.ndim == 2 else 1, self.nv)
+        if self.friction.yields and self.integrator == "rk4":
+            raise ParameterError(
+                "integrator", "rk4 cannot carry presliding friction; take 'semi_implicit' or 'midpoint'"
+            )
+        if self.drive is not None:
+            self.drive.check(self.nv, limit)
+        if self.sensor is not None:
+            self.sensor.check(self.arm.joint_kinds, self.arm.joint_names)
+        if self.end_stops is not None:
+            self.end_stops.check(self.nv)
+        for disturbance in self.disturbances:
+            disturbance.check(self.arm)
+        for change in self.payload_changes:
+            change.arms(self.arms[:1])
 
     @property
     def arm(self) -> Arm:
@@ -135,22 +194,66 @@ class Plant:
         """
         return per_trial("effort_limit", self.effort_limit, batch, self.nv)
 
-    def begin(self, q: Array, v: Array, period: float) -> Motion:
+    def for_trials(self, trials: Sequence[int]) -> Plant:
+        """The plant of these trials, with the scatter of each drawn; the plant itself if nothing scatters.
+
+        Args:
+            trials: Numbers of the trials in the study, which seed what is random in them.
+
+        Raises:
+            ParameterError: the plant's arms are for another number of trials.
+        """
+        if len(self.arms) not in (1, len(trials)):
+            raise ParameterError(
+                "arm", f"{len(self.arms)} arms given for a batch of {len(trials)}; give one, or one per trial"
+            )
+        if self.spread is None:
+            return self
+        made = copy(self)
+        object.__setattr__(made, "arms", self.spread.arms(self.arms, self.seed, trials))
+        friction = self.spread.of_friction(self.friction, self.nv, self.seed, trials)
+        object.__setattr__(made, "friction", friction)
+        object.__setattr__(made, "spread", None)
+        return made
+
+    def arms_at(self, time: float, period: float) -> tuple[Arm, ...]:
+        """The arms with what they carry over the period that begins at a control tick, s."""
+        arms = self.arms
+        for change in self.payload_changes:
+            if round(change.time / period) <= round(time / period):
+                arms = change.arms(arms)
+        return arms
+
+    def begin(self, q: Array, v: Array, period: float, trials: Sequence[int] | None = None) -> Motion:
         """Trials at rest in time, ready for their first control tick.
 
         Args:
             q: q(0), shape (batch, nv), rad.
             v: v(0), shape (batch, nv), rad/s.
             period: Control period, s.
+            trials: Numbers of the trials, which seed what is random in them; 0, 1, … when omitted.
 
         Raises:
             ParameterError: the plant's arms, friction or limits are for another number of trials.
         """
-        if len(self.arms) not in (1, len(q)):
-            raise ParameterError(
-                "arm", f"{len(self.arms)} arms given for a batch of {len(q)}; give one, or one per trial"
-            )
-        return Motion(self, period, q, v)
+        numbers = range(len(q)) if trials is None else trials
+        return Motion(self.for_trials(numbers), period, q, v, numbers)
+
+
+def _seed(value: int) -> int:
+    if isinstance(value, bool) or int(value) != value or value < 0:
+        raise ParameterError("seed", f"{value!r} given; expected a whole number, 0 or more")
+    return int(value)
+
+
+def _shared(arms: tuple[Arm, ...], change: Callable[[Arm], Arm]) -> tuple[Arm, ...]:
+    """Every arm changed; trials that shared one still do."""
+    made = {id(arm): change(arm) for arm in arms}
+    return tuple(made[id(arm)] for arm in arms)
+
+
+def _with_rotors(arm: Arm, drive: Drive) -> Arm:
+    return arm.replace(armature=arm.armature + drive.reflected_inertia)
 
 
 def _check_arms(arms: tuple[Arm, ...]) -> None:

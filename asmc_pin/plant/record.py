@@ -40,11 +40,13 @@ class Rollout:
         time: t_k = k·period, shape (T,), s.
         q: Angles, shape (batch, T, nv), rad (m for prismatic joints, and so on).
         v: Velocities, shape (batch, T, nv), rad/s.
-        torque: Torque that the drives apply over [t_k, t_{k+1}), after their limits, shape (batch, T, nv), N·m.
+        torque: Torque that the drives apply over [t_k, t_{k+1}), after limits, delay and current loop; its mean where
+            it changes within the period. Shape (batch, T, nv), N·m.
         friction_torque: Torque of friction on the joint, mean over the same interval: negative where the joint slides
             forwards, opposite to the load where it sticks. The last interval begins at the end of the run. Shape
             (batch, T, nv), N·m.
-        s: Sliding variable of the law's own K_s, shape (batch, T, nv), rad/s; NaN if the law has no ``ks``.
+        s: Sliding variable of the law's own K_s, of what was measured, as the law has it. Shape (batch, T, nv), rad/s;
+            NaN if the law has no ``ks``.
         gain: Adaptive gain of each tick, shape (batch, T, nv), rad/s²; NaN if the law's state has no ``gain``.
         q_ref: Reference, shape (T, nv), rad.
         v_ref: Its velocity, shape (T, nv), rad/s.
@@ -54,6 +56,12 @@ class Rollout:
         joint_names: Names along the last axis.
         period: Control period, s.
         limit_violations: Joints that left their position limits.
+        held_torque: What the drives held before t = 0, shape (batch, nv), N·m.
+        q_measured: Angles as the law was told, `q` itself with ideal sensors. Shape (batch, T, nv), rad.
+        v_measured: Velocities as the law was told, `v` itself with ideal sensors.
+        torque_measured: Torque of the last period as the law was told, shape (batch, T, nv), N·m: with ideal sensors
+            `held_torque`, then `torque` one tick later.
+        external_torque: Mean torque of the disturbances over [t_k, t_{k+1}), shape (batch, T, nv), N·m; zeros without.
     """
 
     time: Array
@@ -71,6 +79,29 @@ class Rollout:
     joint_names: tuple[str, ...]
     period: float
     limit_violations: tuple[LimitViolation, ...]
+    held_torque: Array = None  # type: ignore[assignment]
+    q_measured: Array = None  # type: ignore[assignment]
+    v_measured: Array = None  # type: ignore[assignment]
+    torque_measured: Array = None  # type: ignore[assignment]
+    external_torque: Array = None  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        """Fill in what ideal sensors and an arm that nothing disturbs leave out."""
+        if self.held_torque is None:
+            object.__setattr__(self, "held_torque", np.zeros_like(self.torque[:, 0]))
+        if self.q_measured is None:
+            told = np.concatenate([self.held_torque[:, None], self.torque[:, :-1]], axis=1)
+            told = np.where(np.isnan(self.torque), np.nan, told)
+            told.setflags(write=False)
+            for name, value in (("q_measured", self.q), ("v_measured", self.v), ("torque_measured", told)):
+                object.__setattr__(self, name, value)
+        if self.external_torque is None:
+            object.__setattr__(self, "external_torque", np.broadcast_to(0.0, self.torque.shape))
+
+    @property
+    def ideal_sensor(self) -> bool:
+        """Whether the law was told the truth."""
+        return self.q_measured is self.q
 
     @property
     def warnings(self) -> tuple[str, ...]:
