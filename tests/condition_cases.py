@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 from hypothesis import strategies as st
 
 from asmc_pin.arms import Arm, load_arm
+from asmc_pin.condition import DesignReport, design
+
+
+@cache
+def explained_two_link_design() -> DesignReport:
+    """The design of the two-link arm with its explanation, made once for all that look at it."""
+    return design(load_arm("two_link"), objective="bandwidth")
+
 
 UR5_MBAR = (
     0.14832641607830951,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from condition_cases import UR5_MBAR, chain
+from condition_cases import UR5_MBAR, chain, explained_two_link_design
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -107,8 +107,7 @@ def test_weighted_design_reaches_further_than_lemma1s_and_is_another_number(ur5_
 
 
 def test_bandwidth_design_trades_norm_for_the_slowest_mode() -> None:
-    arm = load_arm("two_link")
-    report = design(arm, objective="bandwidth")
+    report = explained_two_link_design()
     least = report.trade_off[0]
     assert report.check is not None
     assert report.level is not None
@@ -178,7 +177,7 @@ def test_bounds_are_kept_and_impossible_ones_are_said_to_be(tmp_path: Path) -> N
 
 
 def test_report_explains_what_limits_it_and_what_would_help() -> None:
-    report = design(load_arm("two_link"))
+    report = explained_two_link_design()
     assert report.check is not None
     assert report.weighted is not None
     # The norm of the stretched arm or of the folded one limits M̄, and there the second joint's small inertia.

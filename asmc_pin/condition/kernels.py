@@ -73,9 +73,9 @@ def figure(kind: int, mass: Array, mbar: Array, factor: Array, x: Array, square:
                 square[i, j] = mass[i, j] / np.sqrt(mbar[i] * mbar[j])
     values = work[0]
     eigenvalues(square, values, work[1], work[2])
-    least, most = values[0], values[0]
+    least = most = float(values[0])
     for i in range(1, n):
-        least, most = min(least, values[i]), max(most, values[i])
+        least, most = min(least, float(values[i])), max(most, float(values[i]))
     if kind == LEMMA1:
         return float(np.sqrt(max(most, 0.0)))
     if kind == WEIGHTED:

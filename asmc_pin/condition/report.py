@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.lemma1 import FORMULAS, Condition
+
+if TYPE_CHECKING:
+    from asmc_pin.arms import Arm
 
 Verdict = Literal["violated", "holds", "unrefuted", "undecided"]
 
@@ -32,6 +35,7 @@ class ConditionReport:
         notes: What a reader has to know, in plain words.
         box: Joint box, lower and upper ends, each (nv,); where it was along a motion, the range of the motion.
         smallest: Smallest norm among the samples.
+        subject: The arm that `lower` belongs to, with its payload and locks, but for the armature.
         worst_case: Which end of the ranges (payload, locks) `lower` belongs to; empty without ranges.
         worst_armature: Armature there, shape (nv,), kg·m².
         samples: The norm at every sample, for distributions.
@@ -61,6 +65,7 @@ class ConditionReport:
     smallest: float
     worst_armature: Array
     samples: Array = field(repr=False)
+    subject: Arm = field(repr=False)
     notes: tuple[str, ...] = ()
     worst_case: str = ""
     times: Array | None = field(default=None, repr=False)

@@ -148,14 +148,16 @@ def _starts(
 
 def _apart(q: Array, values: Array, count: int, periodic: BoolArray) -> IntArray:
     """Indices of the best samples, none within 0.4 rad (by the largest joint difference) of a better one."""
+    order = np.argsort(-values, kind="stable")[: 200 * count]
+    rest, points = order, q[order]
     chosen: list[int] = []
-    for index in np.argsort(-values, kind="stable")[: 200 * count]:
-        difference = np.abs(q[chosen] - q[index])
+    while rest.size and len(chosen) < count:
+        chosen.append(int(rest[0]))
+        difference = np.abs(points - points[0])
         difference = np.where(periodic, np.minimum(difference, 2.0 * np.pi - difference), difference)
-        if not chosen or q.shape[1] == 0 or difference.max(axis=1).min() > 0.4:
-            chosen.append(int(index))
-            if len(chosen) == count:
-                break
+        # Without a free joint all samples are one.
+        far = difference.max(axis=1, initial=0.0) > 0.4
+        rest, points = rest[far], points[far]
     return np.array(chosen, dtype=np.int64)
 
 

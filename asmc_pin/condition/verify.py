@@ -31,7 +31,7 @@ class _Seen(NamedTuple):
     norm: float
     q: Array
     armature: Array
-    label: str
+    case: Case
     when: float | None
 
 
@@ -139,7 +139,8 @@ def verify(
         worst_armature=worst.armature,
         samples=outcome.cloud,
         notes=tuple(_notes(all_cases, condition, worst.norm, outcome.scope)),
-        worst_case=worst.label,
+        worst_case=worst.case.label,
+        subject=worst.case.domain.arm,
         times=outcome.times,
         norms=outcome.norms,
         worst_time=worst.when,
@@ -160,11 +161,12 @@ def _over_box(
     box = all_cases[0].domain.box
     return _Outcome(
         "box",
-        [_Seen(f.value, f.q, f.armature, case.label, None) for f, case in zip(found, all_cases, strict=True)],
+        [_Seen(f.value, f.q, f.armature, case, None) for f, case in zip(found, all_cases, strict=True)],
         np.concatenate([f.samples for f in found]),
         sum(f.configurations for f in found),
         (box.lower, box.upper),
-        f"{samples} scrambled Sobol samples of the joint box, and local maximisation from {starts} and more starts",
+        f"{samples} scrambled Sobol samples of the joint box (seed {seed}), then local maximisation with exact "
+        f"gradients from {starts} of them and more",
     )
 
 
@@ -175,7 +177,7 @@ def _along_motion(all_cases: Sequence[Case], mbar: Array, condition: Condition, 
         ends = domain.armature_lower, domain.armature_upper
         norms, armature = norms_along(domain.arm, mbar, condition, motion.q, *ends)
         at = int(np.argmax(norms))
-        seen.append(_Seen(float(norms[at]), motion.q[at], armature[at], case.label, float(motion.times[at])))
+        seen.append(_Seen(float(norms[at]), motion.q[at], armature[at], case, float(motion.times[at])))
         tracks.append(norms)
     largest = np.max(tracks, axis=0)
     return _Outcome(
@@ -207,7 +209,7 @@ def _in_tube(
         found = worst_in_tube(case, mbar, condition, parts, samples=each, starts=max(8, starts // 4), seed=seed)
         tops.append([item.value for item in found])
         at = int(np.argmax(tops[-1]))
-        seen.append(_Seen(tops[-1][at], found[at].q, found[at].armature, case.label, parts[at].start))
+        seen.append(_Seen(tops[-1][at], found[at].q, found[at].armature, case, parts[at].start))
         configurations += sum(item.configurations for item in found)
         clouds += [item.samples for item in found]
     return _Outcome(
@@ -216,7 +218,7 @@ def _in_tube(
         np.concatenate(clouds),
         configurations,
         (np.min([part.lower for part in parts], axis=0), np.max([part.upper for part in parts], axis=0)),
-        f"{each} samples and local maximisation in each of {len(parts)} time slices around {motion.name}",
+        f"{each} samples (seed {seed}) and local maximisation in each of {len(parts)} time slices around {motion.name}",
         np.array([part.start for part in parts]),
         np.max(tops, axis=0),
     )
