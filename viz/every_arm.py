@@ -1,0 +1,55 @@
+"""Every arm known by name, waving: one page each.
+
+python viz/every_arm.py [FOLDER]        default: results/gallery
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from asmc_pin.arms import ARMS, Arm, arm_names, load_arm
+from asmc_pin.viewer import Motion, describe, draw, replay_element, replay_page, write_page
+
+# Where an arm is good to look at; the middle of the joint box for the others.
+POSES = {
+    "ur3": [0.0, -1.2, 1.4, -1.6, -1.5, 0.0],
+    "ur5": [0.0, -1.2, 1.4, -1.6, -1.5, 0.0],
+    "ur10": [0.0, -1.2, 1.4, -1.6, -1.5, 0.0],
+    "panda": [0.0, -0.4, 0.0, -2.0, 0.0, 1.7, 0.7],
+    "kinova": [0.0, 2.6, 1.3, 0.0, 1.0, 0.0],
+    "xarm7": [0.0, -0.4, 0.0, 1.0, 0.0, 1.3, 0.0],
+    "z1": [0.0, 1.2, -1.2, 0.1, 0.0, 0.0],
+    "two_link": [0.5, 0.6],
+    "double_pendulum": [0.4, 0.4],
+}
+
+
+def wave(arm: Arm, time: np.ndarray) -> np.ndarray:
+    """Each joint swings about its pose, the outer ones faster; shape (T, nv), rad or m."""
+    lower, upper = arm.box
+    middle = np.array(POSES.get(arm.name, (lower + upper) / 2))
+    room = np.minimum(0.4, 0.8 * np.minimum(upper - middle, middle - lower))
+    return middle + room * np.sin(2 * np.pi * time[:, None] * (1 + np.arange(arm.nv)) / time[-1])
+
+
+def make(folder: Path) -> dict[str, Path]:
+    """Writes the pages; their titles and files."""
+    pages = {}
+    time = np.linspace(0.0, 8.0, 481)
+    for name in arm_names():
+        arm = load_arm(name)
+        drawn = draw(arm)
+        description = describe(drawn, arm.joint_names, time, [Motion(name, "#0072B2", wave(arm, time))], None)
+        pages[name] = folder / f"arm_{name}.html"
+        write_page(replay_page(name, ARMS[name].description, replay_element(description, drawn.notes)), pages[name])
+    return pages
+
+
+if __name__ == "__main__":
+    out = Path(sys.argv[1] if len(sys.argv) > 1 else "results/gallery")
+    out.mkdir(parents=True, exist_ok=True)
+    for page in make(out).values():
+        print(page)

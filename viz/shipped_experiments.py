@@ -1,0 +1,34 @@
+"""Every shipped experiment, run and replayed, its controllers side by side.
+
+python viz/shipped_experiments.py [FOLDER [NAME …]]        default: results/gallery, all
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from asmc_pin import compare, load_experiment
+from asmc_pin.experiment import experiment_names
+from asmc_pin.results import load_result
+from asmc_pin.viewer import write_replay
+
+
+def make(folder: Path, names: Sequence[str] = ()) -> dict[str, Path]:
+    """Runs the experiments and writes the pages; their titles and files."""
+    pages = {}
+    for name in names or experiment_names():
+        with tempfile.TemporaryDirectory() as scratch:
+            result = load_result(compare(load_experiment(name), out=Path(scratch) / name).out)
+            pages[name] = folder / f"experiment_{name}.html"
+            write_replay(result, pages[name])
+    return pages
+
+
+if __name__ == "__main__":
+    out = Path(sys.argv[1] if len(sys.argv) > 1 else "results/gallery")
+    out.mkdir(parents=True, exist_ok=True)
+    for page in make(out, sys.argv[2:]).values():
+        print(page)
