@@ -12,7 +12,12 @@ import pytest
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm, load_arm
 from asmc_pin.condition.stability import SampledLoop, closed_loop, spectral_radius, stability
-from asmc_pin.condition.stability.figures import gain_region_figure, period_region_figure, workspace_figure
+from asmc_pin.condition.stability.figures import (
+    gain_region_figure,
+    period_region_figure,
+    save_figures,
+    workspace_figure,
+)
 from asmc_pin.condition.stability.workspace import workspace_of
 from asmc_pin.errors import ArmError, ParameterError
 
@@ -191,6 +196,13 @@ def test_an_endless_slide_needs_a_box(tmp_path: Path) -> None:
     with pytest.raises(ArmError, match="--box turn=lo:hi"):
         stability(arm, 0.5, 1.0, 1.0, 0.001)
     assert stability(arm, 0.5, 1.0, 1.0, 0.001, box={"turn": (0.0, 0.5)}, limits=False).verdict == "stable"
+
+
+def test_figures_are_written_for_screen_and_print_without_a_date(two_link: Arm, tmp_path: Path) -> None:
+    files = save_figures(two_link, SampledLoop([0.01, 0.01], 10.0, 10.0, 0.001), tmp_path / "new")
+    assert sorted(path.name for path in files) == sorted(path.name for path in (tmp_path / "new").iterdir())
+    assert [path.suffix for path in files] == [".png", ".pdf"] * 2
+    assert not any(b"CreationDate" in path.read_bytes() for path in files)
 
 
 def test_figures_show_the_boundary_and_the_loop_in_question(two_link: Arm) -> None:

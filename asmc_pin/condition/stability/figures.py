@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +13,7 @@ from matplotlib.figure import Figure
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.box import BoxLike
-from asmc_pin.condition.stability.limits import critical_set
+from asmc_pin.condition.stability.limits import Critical, critical_set, modes_of
 from asmc_pin.condition.stability.loop import SampledLoop
 from asmc_pin.condition.stability.workspace import Workspace, workspace_of
 from asmc_pin.errors import ParameterError
@@ -24,7 +25,31 @@ if TYPE_CHECKING:
 
 # Blue where errors decay, red where they grow; both readable without colour through the boundary line.
 _COLOURS = LinearSegmentedColormap.from_list("decay", ["#1f4e79", "#9ecae1", "#f7f7f7", "#f4a582", "#b2182b"])
-_POINTS = 40
+_POINTS = 32
+_MODES = 12
+
+
+def save_figures(arm: Arm, loop: SampledLoop, folder: str | Path, *, box: BoxLike = None) -> list[Path]:
+    """Write both figures of the stable region, as PNG for reading and PDF for printing.
+
+    Args:
+        arm: The arm.
+        loop: The loop that is marked.
+        folder: Where to; made if need be.
+        box: Joint box; the arm's own by default.
+
+    Returns:
+        The files written.
+    """
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    written = []
+    for name, draw in (("stability_gains", gain_region_figure), ("stability_period", period_region_figure)):
+        figure = draw(arm, loop, box=box)
+        for suffix in ("png", "pdf"):
+            written.append(Path(folder) / f"{name}.{suffix}")
+            # Without the date, so that the same input gives the same bytes.
+            figure.savefig(written[-1], dpi=150, metadata={"CreationDate": None} if suffix == "pdf" else None)
+    return written
 
 
 def gain_region_figure(arm: Arm, loop: SampledLoop, *, box: BoxLike = None, span: float = 30.0) -> Figure:
@@ -128,7 +153,11 @@ def _region(
     relative: bool = False,
 ) -> None:
     """Paint the decay of a family of loops; relative to the slowest pole of (8) where axes span many time scales."""
-    critical = critical_set(workspace, loop, workspace.worst(loop)[1])
+    critical: Critical = (
+        modes_of(workspace, loop.mbar, _MODES)
+        if loop.modal
+        else critical_set(workspace, loop, workspace.worst(loop)[1])
+    )
 
     def decay(member: SampledLoop) -> float:
         slowest = min(float(member.beta.min()), float(member.ks.min())) if relative else 1.0
@@ -145,7 +174,9 @@ def _paint(axes: Axes, x: Array, y: Array, decay: Array, label: str) -> None:
     # Growth soon exceeds any decay by far; the scale follows the decay, or what there is of growth if there is none.
     top = float(decay.max()) if decay.max() > 0.0 else float(-decay.min())
     norm = TwoSlopeNorm(0.0, -top, top)
-    mesh = axes.pcolormesh(x, y, np.clip(decay, -top, top), cmap=_COLOURS.reversed(), norm=norm, shading="gouraud")
+    mesh = axes.pcolormesh(
+        x, y, np.clip(decay, -top, top), cmap=_COLOURS.reversed(), norm=norm, shading="gouraud", rasterized=True
+    )
     axes.figure.colorbar(mesh, ax=axes).set_label(label)
     if decay.min() < 0.0 < decay.max():
         axes.contour(x, y, decay, levels=[0.0], colors="black", linewidths=1.4)
