@@ -11,6 +11,7 @@ from typing import Any
 
 from asmc_pin.experiment.constructors import Signature
 from asmc_pin.experiment.laws import LAWS
+from asmc_pin.experiment.plant_parts import LISTS, TABLES
 from asmc_pin.experiment.schema import ExperimentTables
 from asmc_pin.references import REFERENCES
 
@@ -28,9 +29,10 @@ def experiment_schema() -> dict[str, Any]:
     mass = {"type": "number", "minimum": 0}
     short = {"anyOf": [mass, _ref("PayloadTable")]}
     arm["properties"]["payload"] = _described(arm["properties"]["payload"], short)
-    for table in (arm, payload, schema["$defs"]["PlantTable"]):
+    for table in (arm, payload, *(schema["$defs"][name] for name in ("PlantTable", "FrictionTable"))):
         for item in table["properties"].values():
             _drop_null(item)
+    _plant(schema["$defs"]["PlantTable"]["properties"])
     properties["reference"] = _described(properties["reference"], {"oneOf": [_reference(kind) for kind in REFERENCES]})
     properties["defaults"] = _described(properties["defaults"], _defaults())
     laws = [_law(name) for name in LAWS]
@@ -93,6 +95,20 @@ def _law(name: str) -> dict[str, Any]:
         "required": ["law"],
         "additionalProperties": False,
     }
+
+
+def _plant(properties: dict[str, Any]) -> None:
+    """The tables of ``[plant]`` that are the parameters of a class."""
+    for key, cls in TABLES.items():
+        properties[key] = _described(properties[key], _table(cls))
+    for key, cls in LISTS.items():
+        properties[key] = _described(properties[key], {"type": "array", "items": _table(cls)})
+
+
+def _table(cls: type) -> dict[str, Any]:
+    required = list(Signature(cls).required)
+    table = {"type": "object", "properties": _parameters(cls), "additionalProperties": False}
+    return {**table, "required": required} if required else table
 
 
 def _defaults() -> dict[str, Any]:

@@ -17,6 +17,7 @@ from asmc_pin.controllers import Controller, Sample, Setpoint
 from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment import checks
 from asmc_pin.experiment.constructors import Problem
+from asmc_pin.experiment.plant_parts import LISTS, TABLES, plant_parts
 from asmc_pin.experiment.schema import ExperimentTables
 from asmc_pin.experiment.toml import parse_toml, write_toml
 from asmc_pin.metrics import MetricSettings
@@ -61,6 +62,7 @@ class Experiment(ExperimentTables):
         except ValidationError as error:
             problems += checks.table_problems(error)
         problems += checks.reference_problems(content.get("reference"), folder)[1]
+        problems += plant_parts(content.get("plant"))[1]
         problems += checks.controller_problems(content, folder)[1]
         checks.fail(problems, origin)
         assert tables is not None
@@ -167,12 +169,13 @@ class Experiment(ExperimentTables):
         """
         arm = self.build_arm()
         checks.fail(checks.plant_size_problems(self, arm), self._origin)
-        options = self.plant.model_dump(exclude={"q0", "v0", "friction"}, exclude_unset=True, exclude_none=True)
-        friction = self.plant.friction
-        if friction is not None:
-            options["friction"] = Friction(**friction.model_dump())
+        elsewhere = {"q0", "v0", "friction", *TABLES, *LISTS}
+        options = self.plant.model_dump(exclude=elsewhere, exclude_unset=True, exclude_none=True)
+        options |= plant_parts(self._data.get("plant"))[0]
         try:
-            return Plant(arm, **options)
+            if self.plant.friction is not None:
+                options["friction"] = Friction(**self.plant.friction.model_dump())
+            return Plant(arm, seed=self.seed, **options)
         except ParameterError as error:
             text = str(error).removeprefix(f"{error.parameter}: ")
             raise ExperimentError(f"plant.{error.parameter}", text) from error

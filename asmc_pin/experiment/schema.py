@@ -132,10 +132,28 @@ def arm_table(value: Any) -> Any:
 
 
 class FrictionTable(Table):
-    """Joint friction of the plant; what is omitted is 0."""
+    """Joint friction of the plant; without a default below, what is omitted is as in docs/plant.md."""
 
     coulomb: NonNegativePerJoint = Field(default=0.0, description="Coulomb friction, N·m (N)")
     viscous: NonNegativePerJoint = Field(default=0.0, description="viscous friction, N·m·s/rad (N·s/m)")
+    breakaway: NonNegativePerJoint | None = Field(
+        default=None, description="level at rest, N·m (N); the Coulomb level when omitted"
+    )
+    stribeck_velocity: PositivePerJoint = Field(
+        default=0.01, description="speed over which it falls to the Coulomb level, rad/s (m/s)"
+    )
+    coulomb_backward: NonNegativePerJoint | None = Field(
+        default=None, description="Coulomb friction against motion backwards, N·m (N); the same when omitted"
+    )
+    breakaway_backward: NonNegativePerJoint | None = Field(
+        default=None, description="level at rest against motion backwards, N·m (N); the same when omitted"
+    )
+    presliding: NonNegativePerJoint | None = Field(
+        default=None, description="stiffness before breaking loose, N·m/rad (N/m); rigid when omitted"
+    )
+    presliding_damping: NonNegativePerJoint = Field(
+        default=0.0, description="damping of that stiffness, N·m·s/rad (N·s/m)"
+    )
 
 
 class PlantTable(Table):
@@ -145,12 +163,21 @@ class PlantTable(Table):
     start: Literal["holding", "relaxed"] = Field(
         default="holding", description="torque before t = 0: balances gravity at q(0), or is zero"
     )
+    integrator: Literal["semi_implicit", "midpoint", "rk4"] = Field(
+        default="semi_implicit", description="scheme between the control ticks, see docs/plant.md"
+    )
     friction: FrictionTable | None = Field(default=None, description="joint friction; the URDF's when omitted")
     effort_limit: LimitPerJoint | None = Field(
         default=None, description="torque limits, N·m (N), inf for none; the URDF's when omitted"
     )
     q0: PerJoint | None = Field(default=None, description="q(0), rad (m); the reference's when omitted")
     v0: PerJoint | None = Field(default=None, description="v(0), rad/s (m/s); the reference's when omitted")
+    drive: dict[str, Any] | None = Field(default=None, description="between command and joint torque; ideal if omitted")
+    sensor: dict[str, Any] | None = Field(default=None, description="what the law is told; the truth when omitted")
+    end_stops: dict[str, Any] | None = Field(default=None, description="stiff stops at the limits; none when omitted")
+    disturbances: list[Any] = Field(default=[], description="external torques and wrenches")
+    payload_changes: list[Any] = Field(default=[], description="what is picked up or put down in mid-run")
+    spread: dict[str, Any] | None = Field(default=None, description="scatter of the parameters from trial to trial")
 
 
 class MetricsTable(Table):

@@ -1,0 +1,44 @@
+"""The parts of ``[plant]`` whose keys are the parameters of a class: drive, sensor and world.
+
+As with laws and references, the class says what its keys are, so a new parameter needs no second list here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from asmc_pin.experiment.constructors import Problem, Signature, construct, nearest
+from asmc_pin.plant import Disturbance, Drive, EndStops, PayloadChange, Sensor, Spread
+
+TABLES: dict[str, type] = {"drive": Drive, "sensor": Sensor, "end_stops": EndStops, "spread": Spread}
+"""Keys of ``[plant]`` that are a table."""
+
+LISTS: dict[str, type] = {"disturbances": Disturbance, "payload_changes": PayloadChange}
+"""Keys of ``[plant]`` that are a list of tables."""
+
+
+def plant_parts(plant: Any) -> tuple[dict[str, Any], list[Problem]]:
+    """The parts that a ``[plant]`` table describes, by key, and what is wrong with them."""
+    made: dict[str, Any] = {}
+    problems: list[Problem] = []
+    if not isinstance(plant, Mapping):
+        return made, problems  # the schema has said so
+    for key, cls in TABLES.items():
+        if isinstance(plant.get(key), Mapping):
+            made[key], found = _part(cls, plant[key], f"plant.{key}")
+            problems += found
+    for key, cls in LISTS.items():
+        if isinstance(plant.get(key), list):
+            parts = [_part(cls, item, f"plant.{key}[{i}]") for i, item in enumerate(plant[key])]
+            made[key] = tuple(part for part, _ in parts)
+            problems += [problem for _, found in parts for problem in found]
+    return made, problems
+
+
+def _part(cls: type, table: Any, path: str) -> tuple[Any, list[Problem]]:
+    if not isinstance(table, Mapping):
+        return None, [Problem(path, f"must be a table, got {table!r}")]
+    names = Signature(cls).names
+    unknown = [Problem(f"{path}.{key}", f"unknown key: {nearest(key, names)}") for key in table if key not in names]
+    return (None, unknown) if unknown else construct(cls, table, path)

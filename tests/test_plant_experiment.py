@@ -1,0 +1,103 @@
+"""Claims about the plant's keys in an experiment file."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asmc_pin.errors import ExperimentError
+from asmc_pin.experiment import Experiment, experiment_schema
+from asmc_pin.experiment.schema import FrictionTable, PlantTable
+from asmc_pin.plant import INTEGRATORS, Friction, Plant
+
+PLANT = {
+    "substeps": 4,
+    "integrator": "midpoint",
+    "friction": {"coulomb": 2.0, "breakaway": [3.0, 4.0], "coulomb_backward": 2.5},
+    "drive": {"delay": 1.5, "current_hz": 200.0, "gear": [80.0, 50.0], "rotor_inertia": 1e-6},
+    "sensor": {"bits": 17, "side": "motor", "position_noise": 1e-6},
+    "end_stops": {},
+    "spread": {"mass": 0.1, "friction": 0.2},
+    "disturbances": [
+        {"profile": "pulse", "torque": [1.0, 0.0], "start": 0.1, "duration": 0.05},
+        {"profile": "noise", "link": "tool", "force": [0.0, 0.0, 2.0], "frequency": 5.0},
+    ],
+    "payload_changes": [{"time": 0.2, "payload": 1.0}],
+}
+
+
+def experiment(plant, seed=3):
+    return Experiment.from_dict(
+        {
+            "name": "x",
+            "arm": "two_link",
+            "period": 0.001,
+            "duration": 0.3,
+            "seed": seed,
+            "plant": plant,
+            "reference": {"kind": "multisine", "offset": [0.0, 0.0], "amplitude": [0.1, 0.1], "frequency": [1.0, 1.0]},
+            "controllers": {"PPC": {"law": "ppc", "mbar": 0.05, "ks": 5.0, "beta": 5.0}},
+        }
+    )
+
+
+def with_link(plant, arm):
+    name = arm.link_names[-1]
+    return {
+        **plant,
+        "disturbances": [{**item, "link": name} if "link" in item else item for item in plant["disturbances"]],
+    }
+
+
+def test_every_part_of_the_plant_is_built_from_the_file():
+    plant = experiment(with_link(PLANT, experiment({}).build_arm())).build_plant()
+    assert (plant.substeps, plant.integrator, plant.seed) == (4, "midpoint", 3)
+    assert plant.friction.breakaway.tolist() == [3.0, 4.0]
+    assert plant.friction.breakaway_backward.tolist() == [3.0, 4.0]
+    assert plant.friction.coulomb_backward == 2.5
+    assert plant.drive.delay == 1.5
+    assert plant.sensor.side == "motor"
+    assert plant.end_stops.stiffness == 1e4
+    assert plant.spread.mass == 0.1
+    assert [item.profile for item in plant.disturbances] == ["pulse", "noise"]
+    assert plant.payload_changes[0].payload.mass == 1.0
+    bare = experiment({}).build_arm()
+    np.testing.assert_allclose(plant.arm.armature, bare.armature + np.array([6400.0, 2500.0]) * 1e-6)
+
+
+def test_without_these_keys_the_plant_is_the_ideal_one():
+    plant = experiment({}).build_plant()
+    assert plant.drive is plant.sensor is plant.end_stops is plant.spread is None
+    assert plant.disturbances == plant.payload_changes == ()
+
+
+@pytest.mark.parametrize(
+    ("plant", "said"),
+    [
+        ({"drive": {"dealy": 1.0}}, r"plant.drive.dealy: unknown key: did you mean 'delay'\?"),
+        ({"drive": {"delay": -1.0}}, r"plant.drive.delay: got -1.0"),
+        ({"drive": 3}, r"plant.drive: .*got 3"),
+        ({"sensor": {"velocity": "filtr"}}, r"plant.sensor.velocity: .*did you mean 'filter'"),
+        ({"disturbances": [{"profile": "sine", "torque": 1.0}]}, r"plant.disturbances\[0\].frequency: is missing"),
+        ({"disturbances": [7]}, r"plant.disturbances\[0\]: must be a table"),
+        ({"payload_changes": [{"payload": 1.0}]}, r"plant.payload_changes\[0\].time: is missing"),
+        ({"integrator": "euler"}, r"plant.integrator"),
+        ({"friction": {"coulomb": 2.0, "breakaway": 1.0}}, r"friction.breakaway: .*must not be below coulomb"),
+        ({"drive": {"current_hz": [1.0, 2.0, 3.0]}}, r"plant.drive.current_hz: 3 values"),
+    ],
+)
+def test_a_mistake_is_named_by_its_key(plant, said):
+    with pytest.raises(ExperimentError, match=said):
+        experiment(plant).build_plant()
+
+
+def test_the_table_of_friction_has_the_parameters_of_friction():
+    assert set(FrictionTable.model_fields) == set(Friction().__dataclass_fields__)
+
+
+def test_the_schemes_of_the_file_are_those_that_are_registered():
+    schema = experiment_schema()["$defs"]["PlantTable"]["properties"]
+    assert schema["integrator"]["enum"] == list(INTEGRATORS)
+    parts = {"drive", "sensor", "end_stops", "spread", "disturbances", "payload_changes"}
+    assert parts <= set(PlantTable.model_fields)
+    assert parts <= set(Plant.__dataclass_fields__)
