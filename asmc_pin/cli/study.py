@@ -37,7 +37,7 @@ def compare(
 
     loaded = load_experiment(experiment)
     with _progress_bar() as progress:
-        comparison = run(loaded, out=out, force=force, progress=progress)
+        comparison = run(loaded, out=out, force=force, progress=progress, warn=warn)
     if as_json:
         print_json(comparison.to_json_dict())
     else:
@@ -93,8 +93,13 @@ def demo() -> None:
     print_verdict(verdict)
     typer.echo("\n2. Which controller is better?")
     with _progress_bar() as progress:
-        comparison = run(experiment, force=True, progress=progress)
+        comparison = run(experiment, force=True, progress=progress, warn=warn)
     print_comparison(comparison)
+
+
+def warn(line: str) -> None:
+    """A warning on standard error, as soon as it is known."""
+    note(f"warning: {line}")
 
 
 def print_comparison(comparison: Comparison) -> None:
@@ -115,8 +120,6 @@ def print_comparison(comparison: Comparison) -> None:
     console.print(table)
     for line in comparison.notes:
         console.print(f"note: {line}", soft_wrap=True, markup=False)
-    for line in comparison.warnings:
-        note(f"warning: {line}")
     console.print(f"report: {comparison.out / 'report.html'}", soft_wrap=True, markup=False)
     console.print(f"replay: asmc-pin view {comparison.out}", soft_wrap=True, markup=False)
 
