@@ -25,7 +25,7 @@ from asmc_pin.condition.stability import (
 from asmc_pin.condition.stability.workspace import workspace_of
 from asmc_pin.controllers import CONTROLLERS
 from asmc_pin.errors import ParameterError
-from asmc_pin.plant import Friction, Plant
+from asmc_pin.plant import Drive, Friction, Plant
 from asmc_pin.references import Multisine
 from asmc_pin.rollout import Rollout, rollout
 
@@ -90,14 +90,16 @@ def test_a_step_on_an_unstable_loop_has_no_finite_error() -> None:
     assert np.isinf(step_response(MASS, loop, np.ones(3)).peak).all()
 
 
-def test_map_with_the_plant_s_substeps_is_the_rollout_to_rounding(tmp_path: Path) -> None:
+@pytest.mark.parametrize("delay", [0.0, 0.4, 1.0, 2.7])
+def test_map_with_the_plant_s_substeps_is_the_rollout_to_rounding(tmp_path: Path, delay: float) -> None:
     path = tmp_path / "turntable.urdf"
     path.write_text(JOINT)
     arm = load_arm(path)
-    loop = SampledLoop(0.2, 9.0, 14.0, 0.002, acceleration="position", filter_hz=40.0)
+    loop = SampledLoop(0.2, 9.0, 14.0, 0.002, acceleration="position", filter_hz=40.0, delay=delay)
     hold = Multisine(offset=[0.0], amplitude=[0.0], frequency=[1.0])
     law = CONTROLLERS["ppc"](mbar=0.2, ks=9.0, beta=14.0, period=0.002, acceleration="position", filter_hz=40.0)
-    run = rollout(Plant(arm, substeps=3, friction=Friction(0.0, 0.7)), law, hold, 0.4, q0=[0.1], v0=[-0.5])
+    plant = Plant(arm, substeps=3, friction=Friction(0.0, 0.7), drive=Drive(delay=delay))
+    run = rollout(plant, law, hold, 0.4, q0=[0.1], v0=[-0.5])
     system = closed_loop(arm.mass_matrix(np.zeros(1)), loop, viscous=0.7, substeps=3)
     state = np.zeros(system.matrix.shape[0])
     state[system.blocks["q"]], state[system.blocks["v"]], state[system.blocks["slope"]] = 0.1, -0.5, -0.5
@@ -133,13 +135,12 @@ def test_a_prediction_needs_a_reference_for_the_same_joints() -> None:
         predict_tracking(arm, loop, UR5_MOTION, 1.0)
 
 
-@pytest.mark.parametrize(("gain_margin", "delay_margin"), [(2.0, 1.0), (1.4, 0.0)])
-def test_suggested_gains_keep_their_margins_and_stiffer_ones_do_not(gain_margin: float, delay_margin: float) -> None:
-    arm, mbar = load_arm("ur5"), 2.0 * UR5_MBAR
-    design = suggest_gains(arm, mbar, 0.001, gain_margin=gain_margin, delay_margin=delay_margin)
+def test_suggested_gains_keep_their_margins_and_stiffer_ones_do_not() -> None:
+    arm, mbar, gain_margin, delay_margin = load_arm("ur5"), 2.0 * UR5_MBAR, 2.0, 1.0
+    design = suggest_gains(arm, mbar, 0.001, gain_margin=gain_margin, delay_margin=delay_margin, samples=512)
 
     def keeps(loop: SampledLoop) -> bool:
-        limits = stability(arm, loop.mbar, loop.ks, loop.beta, loop.period, seed=3).limits
+        limits = stability(arm, loop.mbar, loop.ks, loop.beta, loop.period, samples=512, seed=3).limits
         assert limits is not None
         low, high = limits.gain_margin
         return bool(low <= 1.0 / gain_margin and high >= gain_margin and limits.delay_margin >= delay_margin)
@@ -156,8 +157,8 @@ def test_suggested_gains_keep_their_margins_and_stiffer_ones_do_not(gain_margin:
 def test_gains_for_a_given_mbar_that_leaves_no_room_say_what_to_change() -> None:
     arm = load_arm("ur5")
     with pytest.raises(ParameterError, match=r"gain margin of 2 .* let M̄ be scaled down"):
-        suggest_gains(arm, 2.0 * UR5_MBAR, 0.001, gain_margin=2.0, scale_mbar=False)
-    fixed = suggest_gains(arm, 2.0 * UR5_MBAR, 0.001, gain_margin=1.05, scale_mbar=False)
+        suggest_gains(arm, 2.0 * UR5_MBAR, 0.001, gain_margin=2.0, scale_mbar=False, samples=256)
+    fixed = suggest_gains(arm, 2.0 * UR5_MBAR, 0.001, gain_margin=1.05, scale_mbar=False, samples=256)
     assert fixed.mbar_scale == 1.0
     with pytest.raises(ParameterError, match=r"gain_margin: got 0\.5"):
         suggest_gains(arm, UR5_MBAR, 0.001, gain_margin=0.5)
@@ -167,7 +168,7 @@ def test_drift_that_a_design_promises_bounds_a_slow_motion_and_is_no_wild_guess(
     arm = load_arm("two_link")
     slow = Multisine(offset=[0.0, 0.0], amplitude=[1.5, 0.5], frequency=0.05, rise=2.0)
     speed = 2.0 * math.pi * 0.05 * np.array([1.5, 0.5])
-    design = suggest_gains(arm, 0.01, 0.001, speed=speed)
+    design = suggest_gains(arm, 0.01, 0.001, speed=speed, samples=256)
     run = run_ppc(arm, design.loop, slow, 20.0, Friction(0.0, 0.0))
     largest = np.abs(run.q_ref - run.q[0])[3000:].max(axis=0)
     assert (largest < 1.02 * design.drift).all()
@@ -178,7 +179,7 @@ def test_reversal_that_a_design_promises_is_that_of_a_rollout(tmp_path: Path) ->
     path = tmp_path / "turntable.urdf"
     path.write_text(JOINT)
     arm = load_arm(path)
-    design = suggest_gains(arm, 0.4, 0.002, coulomb=3.0)
+    design = suggest_gains(arm, 0.4, 0.002, coulomb=3.0, samples=16)
     # A triangle-like swing would be ideal; a sine of 1 Hz passes its reversal fast enough.
     swing = Multisine(offset=[0.0], amplitude=[1.0], frequency=[1.0], phase=[0.5 * math.pi])
     with_friction = run_ppc(arm, design.loop, swing, 3.0, Friction(3.0, 0.0))

@@ -14,7 +14,7 @@ from asmc_pin.arms import Arm, load_arm
 from asmc_pin.condition.stability import SampledLoop, closed_loop
 from asmc_pin.condition.stability.workspace import gravity_stiffness
 from asmc_pin.controllers import CONTROLLERS, Setpoint
-from asmc_pin.plant import Friction, Plant
+from asmc_pin.plant import Drive, Friction, Plant
 from asmc_pin.rollout import rollout
 
 ONE_JOINT = """<robot name="turntable"><link name="base"/><link name="table"><inertial>
@@ -51,7 +51,8 @@ def grows(arm: Arm, q: Array, loop: SampledLoop, seconds: float) -> bool:
         mbar=loop.mbar, ks=loop.ks, beta=float(loop.beta[0]), period=loop.period,
         acceleration=loop.acceleration, filter_hz=loop.filter_hz,
     )  # fmt: skip
-    plant = Plant(arm, friction=Friction(0.0, 0.0), effort_limit=np.full(arm.nv, np.inf))
+    drive = Drive(delay=loop.delay)
+    plant = Plant(arm, friction=Friction(0.0, 0.0), effort_limit=np.full(arm.nv, np.inf), drive=drive)
     run = rollout(plant, law, Hold(q), seconds, q0=q + 1e-6)
     if run.status[0] == "diverged":
         return True
@@ -90,6 +91,8 @@ def predicted_boundary(arm: Arm, q: Array, loop: SampledLoop, low: float, high: 
         (0.3, {"acceleration": "position"}),
         (0.3, {"filter_hz": 60.0}),
         (0.05, {"acceleration": "position", "filter_hz": 200.0}),
+        (0.3, {"delay": 0.6}),
+        (0.3, {"delay": 3.0}),
     ],
     ids=str,
 )

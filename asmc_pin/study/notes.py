@@ -96,7 +96,8 @@ def before_the_run(
             f"Lemma 1 is violated along the reference by the M̄ of {', '.join(labels)}: ‖I − M⁻¹M̄‖₂ = {item.upper:.4g} "
             f"at t = {item.worst_time:.3f} s; 'asmc-pin design' finds an M̄ that keeps it below 1"
         )
-    return lines + gain_warnings(plant.arm, laws, experiment.period, viscous=friction.viscous)
+    delay = plant.drive.delay if plant.drive is not None else 0.0
+    return lines + gain_warnings(plant.arm, laws, experiment.period, delay=delay, viscous=friction.viscous)
 
 
 def after_the_run(rollouts: Mapping[str, Rollout]) -> list[str]:
