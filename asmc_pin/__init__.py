@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from asmc_pin.plant import Plant as Plant
     from asmc_pin.rollout import Rollout as Rollout
     from asmc_pin.rollout import rollout as rollout
-    from asmc_pin.study import Comparison as Comparison
-    from asmc_pin.study import compare as compare
+    from asmc_pin.study.compare import compare as compare
+    from asmc_pin.study.comparison import Comparison as Comparison
 
 _HOME = {
     "Arm": "arms",
