@@ -104,8 +104,11 @@ def test_boundary_on_a_constant_inertia_within_2_percent_of_the_map(turntable: A
     assert simulated == pytest.approx(predicted, rel=0.02)
 
 
-@pytest.mark.parametrize("gravity", [None, (0.0, 0.0, 0.0)], ids=["gravity", "weightless"])
-@pytest.mark.parametrize("q", [(0.4, 0.0), (1.5, 0.3), (-1.2, 2.0)], ids=str)
+@pytest.mark.parametrize(
+    ("q", "gravity"),
+    [((0.4, 0.0), None), ((1.5, 0.3), None), ((-1.2, 2.0), None), ((0.4, 0.0), (0.0, 0.0, 0.0))],
+    ids=str,
+)
 def test_boundary_on_two_link_near_a_configuration_within_5_percent(
     q: tuple[float, float], gravity: tuple[float, ...] | None
 ) -> None:
