@@ -1,0 +1,67 @@
+"""Tuned rows of the paper's experiments: the three adaptive and switching laws, same budget, same limit of chatter.
+
+They stand in the experiment files between two marks, with the command that wrote them.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from asmc_pin.experiment import Experiment, load_experiment
+from asmc_pin.experiment.toml import write_toml
+from asmc_pin.metrics import METRICS
+from asmc_pin.resources import shipped
+from asmc_pin.rollout import rollout
+from asmc_pin.study.objective import Objective
+from asmc_pin.study.paper import PPC, PROPOSED
+from asmc_pin.study.tune import Progress, Tuning, tune
+
+SUFFIX = " tuned"
+COMMAND = "asmc-pin reproduce --tune"
+_BEGIN, _END = "# begin tuned", "# end tuned"
+_BLOCK = re.compile(rf"\n*^{_BEGIN}.*?^{_END}\n?", re.MULTILINE | re.DOTALL)
+
+
+def untuned(experiment: Experiment) -> dict[str, dict[str, object]]:
+    """The controllers' tables without the tuned rows."""
+    return {label: table for label, table in experiment.controllers.items() if not label.endswith(SUFFIX)}
+
+
+def tune_rows(experiment: Experiment, progress: Progress | None = None) -> Tuning:
+    """Tune every law of an experiment that has gains of its own, none allowed more chatter than the proposed law has.
+
+    The limit is the torque variation of the proposed law with the gains of the file, joint by joint.
+    """
+    plain = experiment.replace(controllers=untuned(experiment))
+    law = plain.build_controllers()[PROPOSED]
+    run = rollout(plain.build_plant(), law, plain.build_reference(), plain.duration)
+    limit = tuple(float(f"{x:.4g}") for x in METRICS["torque_variation"](run)[0])
+    labels = [label for label in plain.controllers if label != PPC]
+    return tune(plain, labels, objective=Objective(limit), progress=progress)
+
+
+def write_rows(tuning: Tuning) -> Path:
+    """Write the tuned rows of a shipped experiment into its file, in the place of former ones; its path."""
+    experiment = tuning.experiment
+    path = shipped("experiments") / f"{experiment.name}.toml"
+    text = _BLOCK.sub("\n", path.read_text(encoding="utf-8")).rstrip("\n") + "\n"
+    path.write_text(text + "\n" + block(tuning), encoding="utf-8")
+    load_experiment(path)  # that it can still be read
+    return path
+
+
+def block(tuning: Tuning) -> str:
+    """The rows as TOML, with how they were found."""
+    head = [
+        f"{_BEGIN}: {COMMAND} {tuning.experiment.name}",
+        f"# Objective: {tuning.objective.text}.",
+        f"# {tuning.trials} trials for each law, each parameter within a factor of {tuning.span:g}, seed {tuning.seed}.",
+    ]
+    tables = tuning.tuned().controllers
+    rows = []
+    for label, law in tuning.laws.items():
+        rows.append(f"# Objective of {label}: {law.untuned:.4g} untuned, {law.value:.4g} tuned.")
+        rows.append(write_toml({"controllers": {label + SUFFIX: tables[label]}}).strip("\n"))
+        rows.append("")
+    return "\n".join([*head, "", *rows[:-1], _END, ""])
