@@ -7,30 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
+from viewer_cases import BENT, bent_arm
 
 from asmc_pin.arms import arm_names, load_arm
 from asmc_pin.viewer import draw
 from asmc_pin.viewer.bodies import assemble, attachments, body_poses, joint_frames
 from asmc_pin.viewer.simplify import simplify
 from asmc_pin.viewer.visuals import Surface, join, read_visuals
-
-INERTIAL = '<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>'
-ARM = f"""<robot name="bent">
-  <link name="base"/>
-  <joint name="j1" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.3"/><axis xyz="0 1 0"/>
-    <limit lower="-2" upper="2" effort="10" velocity="2"/></joint>
-  <link name="upper">{INERTIAL}{{upper}}</link>
-  <joint name="j2" type="prismatic"><parent link="upper"/><child link="lower"/><origin xyz="0.4 0 0"/>
-    <axis xyz="1 0 0"/>
-    <limit lower="0" upper="0.2" effort="10" velocity="2"/></joint>
-  <link name="lower">{INERTIAL}{{lower}}</link>
-</robot>"""
-
-
-def bent_arm(folder: Path, upper: str = "", lower: str = "") -> Path:
-    path = folder / "bent.urdf"
-    path.write_text(ARM.format(upper=upper, lower=lower))
-    return path
 
 
 def visual(geometry: str, rest: str = "") -> str:
@@ -127,7 +110,7 @@ def test_primitives_have_their_size_centre_and_colour(
     geometry: str, extent: tuple[float, float, float], tmp_path: Path
 ) -> None:
     blue = '<material name="own"><color rgba="0 0 1 1"/></material>'
-    text = ARM.format(upper=visual(geometry, f'<origin xyz="1 2 3" rpy="0 0 0"/>{blue}'), lower="")
+    text = BENT.format(upper=visual(geometry, f'<origin xyz="1 2 3" rpy="0 0 0"/>{blue}'), lower="")
     shown, missing = read_visuals(text, [], tmp_path)
     surface = join(shown["upper"])
     low, high = corners(surface)
@@ -139,7 +122,7 @@ def test_primitives_have_their_size_centre_and_colour(
 
 def test_roll_pitch_yaw_turns_about_fixed_axes(tmp_path: Path) -> None:
     turned = '<origin rpy="1.5707963267948966 0 1.5707963267948966"/>'
-    text = ARM.format(upper=visual('<box size="0.1 0.2 0.3"/>', turned), lower="")
+    text = BENT.format(upper=visual('<box size="0.1 0.2 0.3"/>', turned), lower="")
     surface = join(read_visuals(text, [], tmp_path)[0]["upper"])
     # First about x: (0.1, 0.3, 0.2); then about the fixed z: (0.3, 0.1, 0.2).
     np.testing.assert_allclose(np.ptp(surface.vertices, axis=0), (0.3, 0.1, 0.2), atol=1e-9)
@@ -149,7 +132,7 @@ def test_a_mirrored_mesh_keeps_its_outside_outside(tmp_path: Path) -> None:
     import trimesh
 
     trimesh.creation.box(extents=(1.0, 2.0, 3.0)).export(tmp_path / "box.stl")
-    text = ARM.format(upper=visual('<mesh filename="box.stl" scale="-1 1 1"/>'), lower="")
+    text = BENT.format(upper=visual('<mesh filename="box.stl" scale="-1 1 1"/>'), lower="")
     surface = join(read_visuals(text, [], tmp_path)[0]["upper"])
     assert trimesh.Trimesh(surface.vertices, surface.faces).volume == pytest.approx(6.0)
 
@@ -160,7 +143,7 @@ def test_packages_are_found_by_their_folder_and_in_their_parent(tmp_path: Path) 
     package = tmp_path / "some_package"
     (package / "meshes").mkdir(parents=True)
     trimesh.creation.box(extents=(1.0, 2.0, 3.0)).export(package / "meshes" / "box.stl")
-    text = ARM.format(upper=visual('<mesh filename="package://some_package/meshes/box.stl"/>'), lower="")
+    text = BENT.format(upper=visual('<mesh filename="package://some_package/meshes/box.stl"/>'), lower="")
     for folder in (tmp_path, package):
         shown, missing = read_visuals(text, [folder], tmp_path / "elsewhere")
         assert not missing

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from browser import Browser, Page
-from viewer_cases import HOSTILE, swing, swung
+from viewer_cases import HOSTILE, bent_arm, swing, swung
 
 from asmc_pin.arms import load_arm
 from asmc_pin.viewer import draw, replay_element, replay_page
@@ -172,7 +172,7 @@ def test_magnified_errors_start_from_the_reference(page: Page) -> None:
 
 
 def test_arms_in_the_browser_stand_where_pinocchio_puts_them(browser: Browser, tmp_path: Path) -> None:
-    names = ["kinova", "panda", "double_pendulum"]
+    names = ["kinova", "panda", str(bent_arm(tmp_path))]
     drawn = [draw(load_arm(name), triangles=1500) for name in names]
     elements = [replay_element(swing(name, triangles=1500), embedded=True) for name in names]
     path = tmp_path / "arms.html"
@@ -199,6 +199,7 @@ def test_without_webgl_the_page_says_so(browser: Browser, ur5: str) -> None:
         page.open(ur5)
         text = page.run("document.querySelector('.replay-message').innerText")
         assert text.startswith("The motion cannot be shown: Error creating WebGL context")
+        assert page.run("getComputedStyle(document.querySelector('.replay-controls')).display") == "none"
 
 
 def test_a_dark_page_is_dark(browser: Browser, ur5: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import dataclasses
 import json
 import os
 import re
@@ -185,3 +186,25 @@ def test_a_trial_that_is_not_there_is_refused(result: Result) -> None:
 def test_a_page_that_cannot_be_written_is_told(result: Result, tmp_path: Path) -> None:
     with pytest.raises(ResultError, match="cannot be written: No such file or directory"):
         write_replay(result, tmp_path / "nowhere" / "page.html")
+
+
+def test_the_example_of_the_docs_makes_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (Path(__file__).parent.parent / "docs" / "viewer.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    exec(re.search(r"```python\n(.*?)```", text, re.DOTALL).group(1), {})
+    page = (tmp_path / "panda.html").read_text(encoding="utf-8")
+    assert described(page)["motions"][0]["label"] == "mine"
+    assert len(page) < 2.5e6
+
+
+def test_many_controllers_do_not_make_a_scene_that_no_browser_can_draw(result: Result) -> None:
+    import xarray as xr
+
+    many = xr.concat([result.dataset] * 100, dim="controller", data_vars="minimal")
+    many = many.assign_coords(controller=[str(k) for k in range(200)])
+    description = described(replay_html(dataclasses.replace(result, dataset=many)))
+    faces = 0
+    for command in description["commands"]:
+        data = umsgpack.unpackb(base64.b64decode(command))["object"]["geometries"][0]["data"]
+        faces += len(data["index"]["array"].data) // 6
+    assert 400 * faces <= 480_000

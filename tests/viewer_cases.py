@@ -35,6 +35,26 @@ AWKWARD: dict[str, Any] = {
 }
 
 
+INERTIAL = '<inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>'
+BENT = f"""<robot name="bent">
+  <link name="base"/>
+  <joint name="j1" type="revolute"><parent link="base"/><child link="upper"/><origin xyz="0 0 0.3"/><axis xyz="0 1 0"/>
+    <limit lower="-2" upper="2" effort="10" velocity="2"/></joint>
+  <link name="upper">{INERTIAL}{{upper}}</link>
+  <joint name="j2" type="prismatic"><parent link="upper"/><child link="lower"/><origin xyz="0.4 0 0"/>
+    <axis xyz="1 0 0"/>
+    <limit lower="0" upper="0.2" effort="10" velocity="2"/></joint>
+  <link name="lower">{INERTIAL}{{lower}}</link>
+</robot>"""
+
+
+def bent_arm(folder: Path, upper: str = "", lower: str = "") -> Path:
+    """A URDF with a turning and a sliding joint; without visuals unless they are given."""
+    path = folder / "bent.urdf"
+    path.write_text(BENT.format(upper=upper, lower=lower))
+    return path
+
+
 @cache
 def awkward_result() -> Result:
     """The result of the comparison above, made once for all tests of a process."""

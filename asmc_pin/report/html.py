@@ -34,7 +34,7 @@ FIGURES = {
     "gains_and_s": "Switching gains and sliding variables.",
     "torques": "Torque of every joint, after the drive's limits.",
 }
-"""Caption of each figure, by the name of its file, in the order of the page."""
+"""Caption of each figure, by the name of its file, in the order of the page; others follow under their own names."""
 
 
 def report_html(result: Result, path: str | Path) -> None:
@@ -154,19 +154,19 @@ def _tables(result: Result) -> Iterator[str]:
 
 
 def _figures(result: Result) -> Iterator[str]:
-    folder = result.path / "figures"
-    found = [(name, folder / f"{name}.png") for name in FIGURES if (folder / f"{name}.png").is_file()]
-    if not found:
+    there = {path.stem: path for path in sorted((result.path / "figures").glob("*.png"))}
+    if not there:
         return
     yield '<h2 id="figures">Figures</h2>'
-    for name, path in found:
+    for name in [*(name for name in FIGURES if name in there), *(name for name in there if name not in FIGURES)]:
+        path, caption = there[name], FIGURES.get(name, f"{name.replace('_', ' ').capitalize()}.")
         try:
             data = base64.b64encode(path.read_bytes()).decode()
         except OSError as error:
             raise ResultError(result.path, f"{path} cannot be read: {error.strerror or error}") from error
         yield (
-            f'<figure><div class="paper"><img alt="{escape(FIGURES[name])}" src="data:image/png;base64,{data}"></div>'
-            f"<figcaption>{escape(FIGURES[name])}</figcaption></figure>"
+            f'<figure><div class="paper"><img alt="{escape(caption)}" src="data:image/png;base64,{data}"></div>'
+            f"<figcaption>{escape(caption)}</figcaption></figure>"
         )
 
 

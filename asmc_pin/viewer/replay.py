@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from asmc_pin.errors import AsmcPinError, ResultError
-from asmc_pin.viewer.bodies import draw
+from asmc_pin.viewer.bodies import TRIANGLES, draw
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.viewer.motion import Motion, describe
 from asmc_pin.viewer.page import replay_element, replay_page
@@ -14,6 +14,9 @@ from asmc_pin.viewer.page import replay_element, replay_page
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
     from asmc_pin.results import Result
+
+
+_ALL_TRIANGLES = 480_000
 
 
 def replay_html(result: Result, *, trial: int = 0) -> str:
@@ -51,7 +54,8 @@ def replay_fragment(result: Result, *, trial: int = 0, embedded: bool = True) ->
         raise ResultError(
             result.path, f"{result.path} has no trial {trial}; it has {dataset.sizes['trial']}, counted from 0"
         )
-    drawn = draw(arm)
+    # As many arms as there are controllers, and as many ghosts: what a browser draws stays bounded.
+    drawn = draw(arm, min(TRIANGLES, _ALL_TRIANGLES // (2 * dataset.sizes["controller"])))
     notes = list(drawn.notes)
     if result.provenance.get("arm", {}).get("sha256", arm.sha256) != arm.sha256:
         notes.append(f"The URDF has changed since the run: {arm.source.name} is drawn as it is now.")

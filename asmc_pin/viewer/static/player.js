@@ -243,6 +243,7 @@
       window.replays.push(new Replay(host));
     } catch (error) {
       const message = host.querySelector(".replay-message");
+      host.classList.add("is-broken");
       message.hidden = false;
       message.textContent = `The motion cannot be shown: ${error.message}`;
       console.error(error);
