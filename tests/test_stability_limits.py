@@ -12,7 +12,7 @@ import pytest
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm, load_arm
 from asmc_pin.condition.stability import SampledLoop, closed_loop, spectral_radius, stability
-from asmc_pin.condition.stability.figures import (
+from asmc_pin.report.stability_figures import (
     gain_region_figure,
     period_region_figure,
     save_figures,

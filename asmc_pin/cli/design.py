@@ -56,6 +56,12 @@ def design(
     level: Annotated[float | None, typer.Option(help="Largest norm that the bandwidth objective may use.")] = None,
     gains: Annotated[bool, typer.Option("--gains", help="Also β and K_s with margins; needs --period.")] = False,
     period: Annotated[str | None, typer.Option(metavar="S", help="Control period for --gains.")] = None,
+    gain_margin: Annotated[float, typer.Option(help="Factor by which the torque gain may be off, for --gains.")] = 2.0,
+    delay_margin: Annotated[float, typer.Option(help="Delay that may come on top, periods, for --gains.")] = 1.0,
+    coulomb: Annotated[
+        str | None,
+        typer.Option(metavar="C1,C2,…", help="Coulomb friction for the prediction, N·m; the URDF's if omitted."),
+    ] = None,
     acceleration: AccelerationOption = "velocity",
     filter_hz: FilterOption = None,
     delay: DelayOption = 0.0,
@@ -88,6 +94,9 @@ def design(
             acceleration=acceleration,  # type: ignore[arg-type]
             filter_hz=filter_hz,
             delay=delay,
+            gain_margin=gain_margin,
+            delay_margin=delay_margin,
+            coulomb=None if coulomb is None else per_joint(coulomb, "--coulomb"),
             box=parse_box(box),
         )
         content["gains"] = suggested.to_json_dict()
@@ -140,7 +149,7 @@ def stability(
         box=parse_box(box),
     )
     if figures is not None:
-        from asmc_pin.condition.stability.figures import save_figures
+        from asmc_pin.report.stability_figures import save_figures
 
         for path in save_figures(loaded, report.loop, figures, box=parse_box(box)):
             note(f"wrote {path}")
