@@ -56,7 +56,7 @@ def block(tuning: Tuning) -> str:
     head = [
         f"{_BEGIN}: {COMMAND} {tuning.experiment.name}",
         f"# Objective: {tuning.objective.text}.",
-        f"# {tuning.trials} trials for each law, each parameter within a factor of {tuning.span:g}, seed {tuning.seed}.",
+        f"# {tuning.trials} trials for each law, parameters within a factor of {tuning.span:g}, seed {tuning.seed}.",
     ]
     tables = tuning.tuned().controllers
     rows = []

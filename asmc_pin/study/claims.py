@@ -1,0 +1,153 @@
+"""The paper's claims, each judged by the figures of one experiment: what was measured, and whether it holds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from asmc_pin.report.tables import number
+from asmc_pin.study.paper import BSMC, EXISTING, NORM, PPC, PROPOSED, Printed
+from asmc_pin.study.tuned import SUFFIX
+
+HOLDS, PART, BROKEN, NOT_APPLICABLE = "holds", "in part", "does not hold", "not applicable"
+
+Figures = Mapping[str, Mapping[str, Any]]
+
+
+def judge(measured: Figures, norm: Sequence[float], printed: Printed) -> dict[str, dict[str, str]]:
+    """Every claim, on one experiment.
+
+    Args:
+        measured: By label what `asmc_pin.study.measure` gives.
+        norm: Range of ‖I − M⁻¹M̄‖₂ along the measured motion.
+        printed: What the paper prints of this experiment.
+
+    Returns:
+        By claim: ``verdict`` and ``evidence``.
+    """
+    verdicts = {name: claim(measured, printed) for name, claim in _CLAIMS.items()}
+    verdicts["norm range"] = _norm_range(norm, printed)
+    return {name: {"verdict": verdict, "evidence": evidence} for name, (verdict, evidence) in verdicts.items()}
+
+
+def _ordering(measured: Figures, printed: Printed) -> tuple[str, str]:
+    """PPC is the least accurate and the proposed law the most, at both joints."""
+    baselines = [label for label in (BSMC, EXISTING) if label in measured]
+    rounds = {
+        "all untuned": (baselines, PROPOSED),
+        "baselines tuned, proposed with the printed gains": ([x + SUFFIX for x in baselines], PROPOSED),
+        "all tuned": ([x + SUFFIX for x in baselines], PROPOSED + SUFFIX),
+    }
+    good, told = [], []
+    for name, (others, proposed) in rounds.items():
+        others = [label for label in others if label in measured]
+        if proposed not in measured or not others:
+            continue
+        place = [_place(measured, [PPC, *others], proposed, joint) for joint in (0, 1)]
+        worst = [_place(measured, [*others, proposed], PPC, joint) for joint in (0, 1)]
+        last = len(others) + 2
+        good += [place == [1, 1] and worst == [last, last]]
+        told.append(f"{name}: proposed {_places(place, last)}, PPC {_places(worst, last)}")
+    return _grade(good), "; ".join(told)
+
+
+def _place(measured: Figures, others: Sequence[str], label: str, joint: int) -> int:
+    own = _finite(measured[label]["rms_deg"][joint])
+    return 1 + sum(_finite(measured[x]["rms_deg"][joint]) < own for x in others)
+
+
+def _places(places: Sequence[int], last: int) -> str:
+    return f"{places[0]} and {places[1]} of {last}"
+
+
+def _improvement(measured: Figures, printed: Printed) -> tuple[str, str]:
+    """By what factor the error falls from PPC, and from the existing law, to the proposed one."""
+    good, told = [], []
+    for other in (PPC, EXISTING, EXISTING + SUFFIX):
+        if other not in measured:
+            continue
+        paper = _ratios(printed.rms_deg[other.removesuffix(SUFFIX)], printed.rms_deg[PROPOSED])
+        found = _ratios(measured[other]["rms_deg"], measured[PROPOSED]["rms_deg"])
+        good += [all(0.5 <= x / y <= 2.0 for x, y in zip(found, paper, strict=True))]
+        told.append(f"{other} / proposed: {_pair(paper)} in the paper, {_pair(found)} here")
+    return _grade(good), "; ".join(told) + " (holds: within a factor of 2)"
+
+
+def _bounded(measured: Figures, printed: Printed) -> tuple[str, str]:
+    """The proposed gains are bounded: what the second half of the run reaches is not above what the first did."""
+    law = measured[PROPOSED]
+    if law["status"] != "ok":
+        return BROKEN, f"the run diverged at {law['end_time']:.3g} s"
+    first, second = law["peak_gain_first_half"], law["peak_gain_second_half"]
+    good = [b <= 1.5 * a for a, b in zip(first, second, strict=True)]
+    text = f"largest k̂ {_pair(first)} rad/s² in the first half of the run, {_pair(second)} in the second"
+    return _grade(good), f"{text} (holds: grows by no more than half)"
+
+
+def _chatter(measured: Figures, printed: Printed) -> tuple[str, str]:
+    """The proposed law's torque goes up and down less than the existing law's."""
+    own = measured[PROPOSED]["torque_variation"]
+    good, told = [], [f"torque variation: proposed {_pair(own)} N·m/s"]
+    for other in (EXISTING, EXISTING + SUFFIX):
+        if other in measured:
+            theirs = measured[other]["torque_variation"]
+            good += [all(_finite(a) < _finite(b) for a, b in zip(own, theirs, strict=True))]
+            told.append(f"{other} {_pair(theirs)}")
+    return _grade(good), ", ".join(told)
+
+
+def _adaptation(measured: Figures, printed: Printed) -> tuple[str, str]:
+    """The proposed gains rise and fall faster than the existing law's."""
+    own = measured[PROPOSED]["gain_times"]
+    good, told = [], [f"proposed {_times(own)}"]
+    for other in (EXISTING, EXISTING + SUFFIX):
+        if other in measured:
+            theirs = measured[other]["gain_times"]
+            good += [_finite(a) < _finite(b) for a, b in zip(own, theirs, strict=True)]
+            told.append(f"{other} {_times(theirs)}")
+    return _grade(good), "; ".join(told)
+
+
+def _times(times: Sequence[float | None]) -> str:
+    up, down = times
+    return f"from 10 to 90 % of its peak in {_seconds(up)}, back to half of it in {_seconds(down)}"
+
+
+def _seconds(value: float | None) -> str:
+    return "never" if value is None else f"{number(value)} s"
+
+
+def _norm_range(norm: Sequence[float], printed: Printed) -> tuple[str, str]:
+    if printed.table == "III":
+        return NOT_APPLICABLE, f"not printed for the robot; here {norm[0]:.4f} to {norm[1]:.4f}"
+    found = f"{norm[0]:.4f} to {norm[1]:.4f} along the motion of the proposed law, {NORM[0]} to {NORM[1]} in the paper"
+    same = [abs(a - b) <= 5e-4 for a, b in zip(norm, NORM, strict=True)]
+    return (HOLDS if all(same) else PART if norm[1] < 1.0 else BROKEN), found
+
+
+_CLAIMS: Mapping[str, Callable[[Figures, Printed], tuple[str, str]]] = {
+    "ordering of the schemes": _ordering,
+    "size of the improvement": _improvement,
+    "bounded gains": _bounded,
+    "less chatter": _chatter,
+    "fast adaptation": _adaptation,
+}
+CLAIMS = (*_CLAIMS, "norm range")
+
+
+def _grade(good: Sequence[bool]) -> str:
+    return HOLDS if all(good) else PART if any(good) else BROKEN
+
+
+def _finite(value: float | None) -> float:
+    """Of a law that diverged: worse than any other."""
+    return math.inf if value is None or math.isnan(value) else value
+
+
+def _ratios(above: Sequence[float | None], below: Sequence[float | None]) -> list[float]:
+    return [_finite(a) / _finite(b) for a, b in zip(above, below, strict=True)]
+
+
+def _pair(values: Sequence[float | None]) -> str:
+    return " and ".join(number(math.nan if x is None else float(x)) for x in values)

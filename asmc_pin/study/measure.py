@@ -1,0 +1,67 @@
+"""The figures of one run that the paper's tables, figures and claims speak of."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from asmc_pin._typing import Array
+
+
+def measure(dataset: xr.Dataset, label: str, window: float | None) -> dict[str, Any]:
+    """Of one controller, the first trial; valid JSON, null where a law diverged or has no gain.
+
+    Args:
+        dataset: Trajectories of a comparison.
+        label: Controller.
+        window: RMS errors are over the first so many seconds; None for the whole run.
+
+    Returns:
+        ``rms_deg, max_error_deg, torque_max, torque_variation, max_s, peak_gain, peak_gain_first_half,
+        peak_gain_second_half`` by joint, in deg, N·m, N·m/s, rad/s and rad/s²; ``gain_times``: time in which the gain
+        of joint 1 rises from 10 to 90 % of its peak, and from the peak falls to half of it, s; ``status``,
+        ``end_time``.
+    """
+    run = dataset.sel(controller=label).isel(trial=0)
+    time = dataset.time.to_numpy()
+    ok = str(run.status.item()) == "ok"
+    error = np.degrees(dataset.q_ref.to_numpy() - run.q.to_numpy())
+    # RMS as Table II has it: over its window only, so a law that diverges later still has one.
+    inside = np.ones(time.size, dtype=bool) if window is None else time <= window + 1e-9
+    torque, gain, s = run.torque.to_numpy()[:-1], run.gain.to_numpy(), run.s.to_numpy()
+    half = time.size // 2
+    adaptive = bool(np.isfinite(gain).any())
+    return {
+        "law": str(run.law.item()),
+        "status": str(run.status.item()),
+        "end_time": float(run.end_time.item()),
+        "rms_deg": _listed(np.sqrt(np.mean(error[inside] ** 2, axis=0))),
+        "max_error_deg": _listed(np.max(np.abs(error), axis=0)),
+        "torque_max": _listed(np.max(np.abs(torque), axis=0)),
+        "torque_variation": _listed(np.sum(np.abs(np.diff(torque, axis=0)), axis=0) / (time[-1] - time[0])),
+        "max_s": _listed(np.max(np.abs(s), axis=0)),
+        "peak_gain": _listed(np.max(gain, axis=0)),
+        "peak_gain_first_half": _listed(np.max(gain[:half], axis=0)),
+        "peak_gain_second_half": _listed(np.max(gain[half:], axis=0)),
+        "gain_times": list(_gain_times(time, gain[:, 0])) if ok and adaptive else [None, None],
+    }
+
+
+def _gain_times(time: Array, gain: Array) -> tuple[float | None, float | None]:
+    """Time of the rise to the peak, from the last tick at 10 % of it to the first at 90 %; and of the fall to half."""
+    peak = int(np.argmax(gain))
+    if not gain[peak] > 0.0:
+        return None, None
+    low = np.flatnonzero(gain[: peak + 1] <= 0.1 * gain[peak])
+    start = int(low[-1]) if low.size else 0
+    high = start + int(np.argmax(gain[start : peak + 1] >= 0.9 * gain[peak]))
+    below = np.flatnonzero(gain[peak:] <= 0.5 * gain[peak])
+    fall = float(time[peak + below[0]] - time[peak]) if below.size else None
+    return float(time[high] - time[start]), fall
+
+
+def _listed(values: Array) -> list[float | None]:
+    return [float(x) if math.isfinite(x) else None for x in values]
