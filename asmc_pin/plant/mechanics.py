@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from asmc_pin._typing import Array, BoolArray
+from asmc_pin.errors import ParameterError
 from asmc_pin.plant.dynamics import FreeDynamics
 from asmc_pin.plant.end_stops import StopForces
 from asmc_pin.plant.friction import Friction
@@ -41,6 +42,11 @@ class JointFriction:
         self._yields = friction.yields
         if self._yields:
             self._stiffness = np.where(self._kinked, spread("presliding"), 0.0)
+            if np.any(self._kinked & (self._stiffness == 0.0)):
+                raise ParameterError(
+                    "friction.presliding",
+                    "is 0 in a joint with Coulomb friction, but not in all; give every such joint a stiffness, or none",
+                )
             self._damping = spread("presliding_damping")
             self._bend = np.zeros((batch, nv))
 

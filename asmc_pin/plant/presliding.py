@@ -129,7 +129,7 @@ def slide_or_bend(
                 rhs[i] += mass[trial, i, j] * (velocity[trial, j] + step * acceleration[trial, j])
             matrix[i, i] += step * viscous[trial, i]
             offset[i] = step * stiffness[trial, i] * bend[trial, i]
-            slope[i] = step * (step * stiffness[trial, i] + damping[trial, i])
+            slope[i] = step * (step * stiffness[trial, i] + damping[trial, i]) if stiffness[trial, i] > 0.0 else 0.0
             ahead[i], back[i] = step * forward[trial, i], step * backward[trial, i]
         solved = _walk_pieces(matrix, rhs, offset, slope, ahead, back, speed, piece)
         for i in range(nv):

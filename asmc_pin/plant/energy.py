@@ -1,0 +1,107 @@
+"""Where the energy of a run went."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from asmc_pin._typing import Array
+from asmc_pin.arms import Arm
+from asmc_pin.plant.end_stops import StopForces
+from asmc_pin.plant.plant import Plant
+from asmc_pin.plant.record import Rollout
+
+
+def mechanical_energy(arm: Arm, q: Array, v: Array) -> Array:
+    """Kinetic and potential energy, the potential being that of the heights above the base.
+
+    Args:
+        arm: The arm.
+        q: Shape (..., nv), rad.
+        v: Shape (..., nv), rad/s.
+
+    Returns:
+        Shape (...), J; NaN where the state is.
+    """
+    q, v = np.broadcast_arrays(np.asarray(q, dtype=np.float64), np.asarray(v, dtype=np.float64))
+    data = arm.model.createData()
+    energies = np.full(q.shape[:-1], np.nan)
+    for index in np.ndindex(energies.shape):
+        if np.isfinite(q[index]).all() and np.isfinite(v[index]).all():
+            energies[index] = pin.computeMechanicalEnergy(
+                arm.model, data, np.ascontiguousarray(q[index]), np.ascontiguousarray(v[index])
+            )
+    return energies
+
+
+@dataclass(frozen=True, eq=False)
+class EnergyBalance:
+    """Energy since t = 0, each of shape (batch, T), J; `stored` + `dissipated` = `supplied` up to `residual`.
+
+    Attributes:
+        stored: Mechanical energy of the arm and its end stops, less that at t = 0.
+        supplied: Work of the drives.
+        external: Work of the disturbances.
+        dissipated: Heat of joint friction, positive.
+        added: Energy that came and went with the payload.
+        residual: supplied + external + added − stored − dissipated: the error of the integration, the loss in end stops
+            with damping, and what a mean over a period says wrongly about torques that change within it.
+    """
+
+    stored: Array
+    supplied: Array
+    external: Array
+    dissipated: Array
+    added: Array
+
+    @property
+    def residual(self) -> Array:
+        """What is unaccounted for, J."""
+        return np.asarray(self.supplied + self.external + self.added - self.stored - self.dissipated)
+
+    @property
+    def turnover(self) -> Array:
+        """All energy that has changed hands up to each tick, to judge the residual by, (batch, T), J."""
+        flows = (self.supplied, self.external, self.dissipated, self.stored)
+        changes = sum(np.abs(np.diff(flow, axis=1, prepend=0.0)) for flow in flows)
+        return np.asarray(np.cumsum(changes, axis=1))
+
+
+def energy_balance(plant: Plant, run: Rollout, trials: tuple[int, ...] | None = None) -> EnergyBalance:
+    """Account for the energy of a run from its record.
+
+    Args:
+        plant: The plant that it ran on, with rigid gears: an elastic one stores energy that the record does not show.
+        run: What happened.
+        trials: Numbers of its trials, if they were not 0, 1, …; they matter where parameters scatter.
+    """
+    plant = plant.for_trials(range(len(run.status)) if trials is None else trials)
+    batch, ticks, _ = run.q.shape
+    moved = np.diff(run.q, axis=1)
+
+    def work(torque: Array) -> Array:
+        done = np.sum(torque[:, :-1] * moved, axis=2)
+        return np.concatenate([np.zeros((batch, 1)), np.cumsum(done, axis=1)], axis=1)
+
+    energy, added = np.empty((batch, ticks)), np.zeros((batch, ticks))
+    changes = sorted({round(change.time / run.period) for change in plant.payload_changes} - {0})
+    begins = [0, *(k for k in changes if k < ticks)]
+    for begin, end in zip(begins, [*begins[1:], ticks - 1], strict=True):
+        arms = plant.arms_at(begin * run.period, run.period)
+        for trial in range(batch):
+            arm, span = arms[trial % len(arms)], slice(begin, end + 1)
+            part = mechanical_energy(arm, run.q[trial, span], run.v[trial, span])
+            if begin:
+                added[trial, begin:] += part[0] - energy[trial, begin]
+            energy[trial, span] = part
+    if plant.end_stops is not None:
+        energy = energy + StopForces(plant.end_stops, plant.arm.lower, plant.arm.upper).energy(run.q)
+    return EnergyBalance(
+        stored=energy - energy[:, :1],
+        supplied=work(run.torque),
+        external=work(run.external_torque),
+        dissipated=-work(run.friction_torque),
+        added=added,
+    )
