@@ -65,6 +65,9 @@
       this.host = host;
       this.embedded = host.dataset.embedded === "true";
       const data = JSON.parse(host.querySelector("script[type='application/json']").textContent);
+      const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+      // The palette's black would be lost on a dark page.
+      for (const motion of data.motions) if (dark && motion.colour === "#000000") motion.colour = "#e8ecf1";
       this.colours = data.motions.map((motion) => motion.colour);
       this.motions = new Motions(data);
       this.duration = data.duration;
@@ -199,10 +202,15 @@
       const { errors, last, count } = this.motions;
       const curves = errors.map((values, a) => Array.from(values.slice(0, last[a] + 1)));
       const top = curves.flat().reduce((x, y) => Math.max(x, y), 1e-12);
-      element(track, "div", { class: "replay-top" }, `Largest joint error over time, at most ${this.motions.format(top)}`);
+      // Errors that are far apart stand on a logarithmic axis, as in the figures.
+      const sizes = curves.map((values) => Math.sqrt(values.reduce((sum, e) => sum + e * e, 0) / values.length)).filter((size) => size > 0);
+      const far = Math.max(...sizes) > 15 * Math.min(...sizes), floor = Math.max(Math.min(...sizes) / 10, 1e-6 * top);
+      const height = far ? (e) => Math.log(Math.max(e, floor) / floor) / Math.log(top / floor) : (e) => e / top;
+      const scale = far ? `from ${this.motions.format(floor)}, logarithmic` : "from 0";
+      element(track, "div", { class: "replay-top" }, `Largest joint error over time, ${scale}, to ${this.motions.format(top)}`);
       const chart = svg(track, "svg", { viewBox: "0 0 1000 100", preserveAspectRatio: "none", class: "replay-chart", "aria-hidden": "true" });
       curves.forEach((values, a) => {
-        const points = values.map((e, k) => `${(1000 * k / (count - 1)).toFixed(1)},${(97 - 92 * e / top).toFixed(1)}`);
+        const points = values.map((e, k) => `${(1000 * k / (count - 1)).toFixed(1)},${(97 - 92 * height(e)).toFixed(1)}`);
         svg(chart, "polyline", { points: points.join(" "), stroke: this.colours[a] });
       });
       this.cursor = svg(chart, "line", { x1: 0, x2: 0, y1: 0, y2: 100 });
