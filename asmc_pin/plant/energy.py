@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
+from asmc_pin.arms.kernels import mass_matrices
 from asmc_pin.plant.end_stops import StopForces
 from asmc_pin.plant.plant import Plant
 from asmc_pin.plant.record import Rollout
@@ -26,14 +27,14 @@ def mechanical_energy(arm: Arm, q: Array, v: Array) -> Array:
         Shape (...), J; NaN where the state is.
     """
     q, v = np.broadcast_arrays(np.asarray(q, dtype=np.float64), np.asarray(v, dtype=np.float64))
+    # Not Pinocchio's kinetic energy: whether it counts the armature depends on the model.
+    kinetic = 0.5 * np.einsum("...i,...ij,...j->...", v, mass_matrices(arm.tree, q), v)
     data = arm.model.createData()
-    energies = np.full(q.shape[:-1], np.nan)
-    for index in np.ndindex(energies.shape):
-        if np.isfinite(q[index]).all() and np.isfinite(v[index]).all():
-            energies[index] = pin.computeMechanicalEnergy(
-                arm.model, data, np.ascontiguousarray(q[index]), np.ascontiguousarray(v[index])
-            )
-    return energies
+    potential = np.full(kinetic.shape, np.nan)
+    for index in np.ndindex(kinetic.shape):
+        if np.isfinite(q[index]).all():
+            potential[index] = pin.computePotentialEnergy(arm.model, data, np.array(q[index]))
+    return np.asarray(kinetic + potential)
 
 
 @dataclass(frozen=True, eq=False)
