@@ -29,7 +29,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "plant": {"arms", "controllers.base", "controllers.parameters", "controllers.tde.sliding_variable"},
     "rollout": {"arms", "controllers", "references", "plant"},
     "metrics": {"arms", "rollout"},
-    "monitors": {"rollout", "metrics"},
+    "monitors": {"arms", "controllers", "condition", "plant", "rollout"},
     "experiment": {"resources", "arms", "controllers", "baselines", "references", "condition", "plant", "metrics"},
     "results": {"resources", "arms", "references", "rollout", "metrics", "monitors", "experiment"},
     "viewer": {"resources", "arms", "metrics", "experiment", "results"},

@@ -1,0 +1,20 @@
+"""The theorems of Baek (2016) along a run, held against what only the plant knows (docs/monitors.md)."""
+
+from __future__ import annotations
+
+from asmc_pin.monitors.claims import CAUSES, STATEMENTS, Claim, Statement
+from asmc_pin.monitors.record import Monitors, monitor
+from asmc_pin.monitors.signals import gamma_at_ticks
+from asmc_pin.monitors.table import claim_rows, monitor_dataset
+
+__all__ = [
+    "CAUSES",
+    "STATEMENTS",
+    "Claim",
+    "Monitors",
+    "Statement",
+    "claim_rows",
+    "gamma_at_ticks",
+    "monitor",
+    "monitor_dataset",
+]
