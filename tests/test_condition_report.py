@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import json
 import re
 from pathlib import Path
 
@@ -11,7 +13,7 @@ from condition_cases import UR5_MBAR, explained_two_link_design
 
 from asmc_pin import load_arm, verify
 from asmc_pin.arms import Arm
-from asmc_pin.condition import design, lemma1_norm, weighted_norm
+from asmc_pin.condition import Recording, design, lemma1_norm, weighted_norm
 from asmc_pin.condition.heatmap import heatmap, pairs
 from asmc_pin.errors import ParameterError, ResultError
 from asmc_pin.report.condition import write_condition_report
@@ -99,6 +101,27 @@ def test_html_page_is_one_file_without_network(ur5: Arm, tmp_path: Path) -> None
     assert "violates the condition" in text
     assert text.count("<img alt=") == 2
     assert not re.findall(r'(?:src|href)="(?!data:)[^"#]', text)
+
+
+def test_page_along_a_motion_colours_the_arm_by_the_norm(tmp_path: Path) -> None:
+    arm = load_arm("two_link")
+    time = np.linspace(0.0, 1.0, 61)
+    log = Recording("log", time, np.stack((0.0 * time, 3.0 * time), axis=-1))
+    report = verify(arm, 0.01, along=log)
+    write_condition_report(report, arm, tmp_path / "page.html")
+    text = (tmp_path / "page.html").read_text(encoding="utf-8")
+    played = [json.loads(found) for found in re.findall(r'<script type="application/json">(.*?)</script>', text)][-1]
+    (motion,) = played["motions"]
+    floats = {key: np.frombuffer(base64.b64decode(motion[key]), dtype="<f4") for key in ("q", "shades")}
+    readings = np.frombuffer(base64.b64decode(motion["reading"]["values"]), dtype="<f4")
+    assert report.norms is not None
+    np.testing.assert_allclose(readings, report.norms, rtol=1e-6)
+    np.testing.assert_allclose(floats["q"].reshape(-1, 2), log.q, atol=1e-6)
+    # The norm falls from the stretched arm on, and so does the brightness of its colour.
+    brightness = floats["shades"].reshape(-1, 3) @ [0.21, 0.72, 0.07]
+    assert np.all(np.diff(report.norms) < 0)
+    assert np.all(np.diff(brightness) < 1e-3)
+    assert brightness[0] > brightness[-1] + 0.5
 
 
 def test_design_page_shows_trade_off_and_what_limits(tmp_path: Path) -> None:

@@ -41,6 +41,7 @@ class ConditionReport:
         samples: The norm at every sample, for distributions.
         times: Along a motion: times, shape (T,), s; else None.
         norms: Along a motion: the norm at each time, shape (T,); the largest over the ranges.
+        motion: Along a motion, not in a tube: the configurations, shape (T, nv).
         worst_time: Along a motion: time of `lower`, s.
         tde_error: Along recorded data with torque: the TDE error that M̄ would have made; see `tde_error`.
         scale_proven: The condition is proven for M̄ times this; None unless asked for.
@@ -70,6 +71,7 @@ class ConditionReport:
     worst_case: str = ""
     times: Array | None = field(default=None, repr=False)
     norms: Array | None = field(default=None, repr=False)
+    motion: Array | None = field(default=None, repr=False)
     worst_time: float | None = None
     tde_error: Array | None = field(default=None, repr=False)
     scale_proven: float | None = None

@@ -46,6 +46,7 @@ class _Outcome(NamedTuple):
     method: str
     times: Array | None = None
     norms: Array | None = None
+    motion: Array | None = None
 
 
 def verify(
@@ -143,6 +144,7 @@ def verify(
         subject=worst.case.domain.arm,
         times=outcome.times,
         norms=outcome.norms,
+        motion=outcome.motion,
         worst_time=worst.when,
         tde_error=error,
         scope=outcome.scope,
@@ -189,6 +191,7 @@ def _along_motion(all_cases: Sequence[Case], mbar: Array, condition: Condition, 
         f"the norm at {motion.times.size} instants of {motion.name}",
         motion.times,
         largest,
+        motion.q,
     )
 
 

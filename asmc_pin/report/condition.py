@@ -12,10 +12,11 @@ from string import Template
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib import colormaps
 
 from asmc_pin.condition import ConditionReport, DesignReport
 from asmc_pin.errors import ParameterError
-from asmc_pin.report.condition_figures import along_figure, distribution_figure, maps_figure, trade_off_figure
+from asmc_pin.report.condition_figures import COLOURS, along_figure, distribution_figure, maps_figure, trade_off_figure
 from asmc_pin.report.condition_text import NAMES, facts, joint_table, meaning, sentence
 from asmc_pin.report.style import paper_style
 from asmc_pin.viewer.bodies import draw
@@ -115,6 +116,9 @@ def _html(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Plate]
         body.append(f"<table><thead><tr>{header}</tr></thead><tbody>{cells}</tbody></table></div>")
         body.append(f"<h3>{escape(check.subject.name)} in its worst configuration</h3>")
         body.append(f'<div class="panel">{_posture(check)}</div>')
+        if check.motion is not None:
+            body.append("<h3>The motion, coloured by the norm: dark where it is least, bright where it is largest</h3>")
+            body.append(f'<div class="panel">{_along(check)}</div>')
         body.append("<h2>Figures</h2>")
     for plate in plates:
         data = base64.b64encode(_png(plate.figure)).decode()
@@ -163,6 +167,19 @@ def _posture(check: ConditionReport) -> str:
     label = f"norm {check.lower:.6g}"
     motion = Motion(label=label, colour=_WORST, q=check.worst_q[None, :])
     description = describe(drawn, check.joints, np.zeros(1), [motion], None)
+    return replay_element(description, drawn.notes, embedded=True)
+
+
+def _along(check: ConditionReport) -> str:
+    """The arm on its motion, coloured by the norm from dark (least) to bright (largest)."""
+    assert check.times is not None
+    assert check.norms is not None
+    assert check.motion is not None
+    span = float(np.ptp(check.norms))
+    shades = colormaps[COLOURS]((check.norms - check.norms.min()) / (span or 1.0))[:, :3]
+    motion = Motion("along the motion", _WORST, check.motion, shades=shades, reading=("norm", check.norms))
+    drawn = draw(check.subject)
+    description = describe(drawn, check.joints, check.times - check.times[0], [motion], None)
     return replay_element(description, drawn.notes, embedded=True)
 
 

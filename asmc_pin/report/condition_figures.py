@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 SYMBOL = {"lemma1": r"$\Vert I - M^{-1}\bar{M}\Vert_2$", "weighted": r"$\max|1 - \lambda(M^{-1}\bar{M})|$"}
 LIMIT = PALETTE[3]
+COLOURS = "viridis"
 
 
 def distribution_figure(report: ConditionReport) -> Figure:
@@ -85,7 +86,7 @@ def maps_figure(report: ConditionReport, arm: Arm, *, resolution: int = 61) -> F
         grid = figure.subplots(rows, columns, squeeze=False)
         for axes, item in zip(grid.ravel(), maps, strict=False):
             image = axes.pcolormesh(
-                item.x, item.y, item.norms, vmin=low, vmax=high, cmap="cividis", shading="nearest", rasterized=True
+                item.x, item.y, item.norms, vmin=low, vmax=high, cmap=COLOURS, shading="nearest", rasterized=True
             )
             if float(np.nanmax(item.norms)) > 1.0 > float(np.nanmin(item.norms)):
                 axes.contour(item.x, item.y, item.norms, levels=[1.0], colors=[LIMIT], linewidths=0.9)

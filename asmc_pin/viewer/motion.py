@@ -28,12 +28,17 @@ class Motion:
         colour: CSS colour of its label and path, ``#rrggbb``, the one it has in the figures.
         q: Joint positions over time, shape (T, nv), rad or m; NaN after a divergence.
         end: Time at which the motion broke off, s; None where it did not.
+        shades: Colour of the arm and of its path over time, red, green and blue from 0 to 1, shape (T, 3); None leaves
+            the arm its own.
+        reading: A figure over time to stand under the arm, with its name; values of shape (T,).
     """
 
     label: str
     colour: str
     q: Array
     end: float | None = None
+    shades: Array | None = None
+    reading: tuple[str, Array] | None = None
 
 
 def describe(
@@ -89,7 +94,13 @@ def describe(
         ],
         "duration": duration,
         "motions": [
-            {"label": motion.label, "colour": motion.colour, "q": _packed(q), "end": motion.end}
+            {
+                "label": motion.label,
+                "colour": motion.colour,
+                "q": _packed(q),
+                "end": motion.end,
+                **_shown(motion, time, grid),
+            }
             for motion, q in zip(motions, frames, strict=True)
         ],
         "reference": None if wanted is None else _packed(wanted),
@@ -112,6 +123,17 @@ def _resample(time: Array, q: Array, grid: Array) -> Array:
     last = len(time) if finite.all() else max(1, int(np.argmin(finite)))
     known = np.nan_to_num(q[:last])
     return np.stack([np.interp(grid, time[:last], known[:, joint]) for joint in range(q.shape[1])], axis=1)
+
+
+def _shown(motion: Motion, time: Array, grid: Array) -> dict[str, Any]:
+    """What a motion shows beside itself, at the grid's instants; nothing for most."""
+    shown: dict[str, Any] = {}
+    if motion.shades is not None:
+        shown["shades"] = _packed(_resample(time, np.asarray(motion.shades, dtype=np.float64), grid))
+    if motion.reading is not None:
+        name, values = motion.reading
+        shown["reading"] = {"name": name, "values": _packed(np.interp(grid, time, values))}
+    return shown
 
 
 def _packed(values: Array) -> str:

@@ -20,6 +20,8 @@
       this.reference = reference === null ? null : floats(reference);
       this.count = this.q[0].length / this.nv;
       this.step = this.count > 1 ? duration / (this.count - 1) : 1;
+      this.shades = motions.map(({ shades }) => (shades ? floats(shades) : null));
+      this.readings = motions.map(({ reading }) => (reading ? { name: reading.name, values: floats(reading.values) } : null));
       this.ends = motions.map(({ end }) => (end === null ? null : end));
       this.last = this.ends.map((end) => (end === null ? this.count - 1 : Math.floor(end / this.step)));
       this.magnify = 1;
@@ -85,7 +87,7 @@
 
     trace() {
       const { motions } = this, frames = motions.frames();
-      this.stage.trace((a) => frames.map((k) => motions.shown(a, k)), motions.reference ? frames.map((k) => motions.wanted(k)) : []);
+      this.stage.trace((a) => frames.map((k) => motions.shown(a, k)), motions.reference ? frames.map((k) => motions.wanted(k)) : [], motions.shades);
     }
 
     seek(time) {
@@ -94,6 +96,8 @@
       const frame = this.time / motions.step;
       stage.arms.forEach((arm, a) => {
         arm.set(motions.shown(a, frame));
+        const k = 3 * Math.round(Math.min(frame, motions.count - 1));
+        if (motions.shades[a]) arm.shade(...motions.shades[a].subarray(k, k + 3));
         this.describe(a, frame);
       });
       for (const ghost of stage.ghosts) ghost.set(motions.wanted(frame));
@@ -105,10 +109,11 @@
     }
 
     describe(a, frame) {
-      const { label, value } = this.stage.labels[a], { ends, last, errors, count } = this.motions;
+      const { label, value } = this.stage.labels[a], { ends, last, errors, readings, count } = this.motions;
       const over = ends[a] !== null && frame > last[a];
       label.classList.toggle("is-over", over);
       if (over) value.textContent = `diverged at ${Number(ends[a].toPrecision(3))} s`;
+      else if (readings[a]) value.textContent = `${readings[a].name} ${readings[a].values[Math.round(Math.min(frame, count - 1))].toPrecision(5)}`;
       else if (errors.length) value.textContent = this.motions.format(errors[a][Math.round(Math.min(frame, count - 1))]);
     }
 

@@ -48,6 +48,14 @@ const AsmcScene = (() => {
       });
     }
 
+    // The whole arm in one colour, which `shade` sets.
+    makeShaded() {
+      this.material = new THREE.MeshPhongMaterial({ shininess: 12, side: THREE.DoubleSide });
+      for (const mesh of this.meshes) mesh.material = this.material;
+    }
+
+    shade(red, green, blue) { this.material.color.setRGB(red, green, blue); }
+
     // Where the tip is, in the arm's base frame.
     tip() {
       const point = new THREE.Vector3(...this.arm.tip.point);
@@ -132,6 +140,7 @@ const AsmcScene = (() => {
       this.arms = motions.map((_, k) => new ArmView(this.viewer, `arm${k}`, arm, commands));
       this.ghosts = reference === null ? [] : motions.map((_, k) => new ArmView(this.viewer, `ghost${k}`, arm, commands));
       for (const ghost of this.ghosts) ghost.makeGhost(0x5b9bff, 0.34);
+      motions.forEach((motion, k) => { if (motion.shades) this.arms[k].makeShaded(); });
       this.paths = motions.map((motion, k) => this.line(`path${k}`, motion.colour, 1));
       this.wanted = this.ghosts.map((_, k) => this.line(`wanted${k}`, "#7f8894", 0.9));
       const labels = element(this.host, "div", { class: "replay-labels" });
@@ -223,13 +232,20 @@ const AsmcScene = (() => {
     }
 
     // Paths of the tips. `shown(a)` and `wanted` are lists of joint values; the arms are left at the last of them.
-    trace(shown, wanted) {
+    // `shades[a]` has the path's colour at each of them, or is null.
+    trace(shown, wanted, shades) {
       const path = (arm, frames) => frames.map((q) => { arm.set(q); return arm.tip(); });
       const put = (line, points) => {
         line.geometry.dispose();
         line.geometry = new THREE.BufferGeometry().setFromPoints(points);
       };
-      this.paths.forEach((line, a) => put(line, path(this.arms[a], shown(a))));
+      this.paths.forEach((line, a) => {
+        put(line, path(this.arms[a], shown(a)));
+        if (!shades[a]) return;
+        line.geometry.setAttribute("color", new THREE.BufferAttribute(shades[a], 3));
+        line.material.color.set("#ffffff");
+        line.material.vertexColors = true;
+      });
       if (this.ghosts.length) {
         const points = path(this.ghosts[0], wanted);
         for (const line of this.wanted) put(line, points);
