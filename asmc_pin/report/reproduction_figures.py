@@ -11,6 +11,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from asmc_pin.report.curves import running_max, thinned
 from asmc_pin.report.style import COLUMN, GREY, PAGE, paper_style, save
@@ -113,6 +114,7 @@ def _torques(pair: Pair) -> Figure:
             row[0].set_ylabel(f"{item['set']}\n" + rf"$\tau_{i + 1}$ [N·m]")
     for axis in grid[-1]:
         axis.set_xlabel(_TIME)
+        axis.xaxis.set_major_locator(MaxNLocator(4, prune="upper"))  # or the last number meets the next panel's first
     figure.align_ylabels(grid[:, 0])
     figure.legend(handles=[_paper_line()], loc="outside upper center")
     return figure
@@ -130,6 +132,7 @@ def _errors(pair: Pair) -> Figure:
         for i in range(2):
             axis = grid[i][column]
             axis.set_yscale("log")
+            axis.minorticks_off()
             _limit(axis, item["paper"]["max_error_deg"][i] * (np.pi / 180.0 if unit == "rad" else 1.0))
             low, high = axis.get_ylim()
             axis.set_ylim(bottom=max(low, 1e-6 * high))
@@ -159,6 +162,12 @@ def _grid(pair: Pair, rows: int, height: float) -> tuple[Figure, Any]:
 
 
 def _limit(axis: Axes, value: float, both: bool = False) -> None:
+    """The range of the paper's figure: a line, or where it would flatten the curves, words."""
+    largest = max((float(np.nanmax(np.abs(line.get_ydata()), initial=0.0)) for line in axis.lines), default=0.0)
+    if value > 4.0 * largest:
+        text = f"paper's figure: to {'±' if both else ''}{value:g}"
+        axis.text(0.98, 0.93, text, transform=axis.transAxes, ha="right", va="top", color=GREY, fontsize=7.0)
+        return
     for side in (-value, value) if both else (value,):
         axis.axhline(side, color=GREY, linestyle="--", linewidth=0.7)
 

@@ -11,7 +11,11 @@ from asmc_pin.report.tables import Table, markdown_table, number
 
 def words(reading: Mapping[str, str]) -> str:
     """A reading's departures from what is printed, as an addition to a sentence."""
-    return f" ({', '.join(_option(*item) for item in reading.items())})" if reading else ""
+    return f" ({_departures(reading)})" if reading else ""
+
+
+def _departures(reading: Mapping[str, str]) -> str:
+    return ", ".join(_option(*item) for item in reading.items()) or "as printed"
 
 
 def _option(axis: str, option: str) -> str:
@@ -33,8 +37,9 @@ def cannot_hold(data: Mapping[str, Any]) -> Iterator[str]:
             f"{_pair(bound['drift_deg'])} deg RMS by this formula. "
             f"Measured {_pair(found)}, printed {_pair(told)}. "
             + (
-                "The formula is for small errors; that it asks for more than a turn says that the printed gains do "
-                "not track this motion at all."
+                "The formula is for small errors; that it asks for more than a radian says that the printed gains do "
+                "not "
+                "track this motion at all."
                 if max(bound["drift_deg"]) > 57.0
                 else "Here the two are of one order, so that the printed gains are possible."
             )
@@ -48,7 +53,7 @@ def cannot_hold(data: Mapping[str, Any]) -> Iterator[str]:
                 f"{number(turn['time'])} s) the Coulomb friction of 50 N·m does, "
                 "and the joint sticks until its torque has moved by 100 N·m. The printed gains move it so slowly "
                 "that the joint breaks away with an error of "
-                f"{number(turn['error_deg'])} deg, the whole of the motion; the figure shows "
+                f"{number(turn['error_deg'])} deg; the figure shows "
                 f"{number(item['paper']['max_error_deg'][joint])} deg at most, for which "
                 f"β = k_s would have to be {number(turn['gain'])}. With M̄ = 0.01 and L = 1 ms the loop diverges at "
                 "57 already (see the readings below)."
@@ -85,11 +90,21 @@ def search_section(data: Mapping[str, Any]) -> Iterator[str]:
         yield ""
         taken = found["taken"]
         yield (
-            f"{found['tried']} readings. Taken:{words(taken['reading'])}, a factor of {number(taken['factor'])}; as "
+            f"{found['tried']} readings. Taken: {_departures(taken['reading'])}, a factor of "
+            f"{number(taken['factor'])}; as "
             "printed it is "
             f"{_factor(found['alone'][0])}."
         )
         yield ""
+        if taken["rms"] == found["alone"][0]["rms"]:
+            yield (
+                "This reading changes no run, and no RMS error: ‖s‖_∞ stays below ε under both, so that k̂ leaves 0 "
+                "for a "
+                "tick at a time, and all that changes is what the axes of s and k̂ are read in. It does not explain "
+                "the "
+                "rest of the distance."
+            )
+            yield ""
         yield "The nearest reading for each number of departures, combined:"
         yield ""
         yield _readings_table(found["ladder"], tables)
@@ -106,7 +121,7 @@ def _readings_table(rows: list[Mapping[str, Any]], tables: list[str]) -> str:
         header += [f"Table {table}, PPC", f"Table {table}, proposed", "torque [N·m]"]
     cells = []
     for row in rows:
-        line = [words(row["reading"]).strip(" ()") or "as printed", _factor(row)]
+        line = [_departures(row["reading"]), _factor(row)]
         for i in range(len(tables)):
             if row["rms"] is None:
                 line += ["–", "–", "–"]
@@ -121,4 +136,4 @@ def _factor(row: Mapping[str, Any]) -> str:
 
 
 def _pair(values: list[float | None]) -> str:
-    return " / ".join(number(math.nan if x is None else x) for x in values)
+    return " / ".join(number(math.nan if x is None else x if abs(x) > 1e-9 else 0.0) for x in values)

@@ -9,6 +9,9 @@ import numpy as np
 import xarray as xr
 
 from asmc_pin._typing import Array
+from asmc_pin.experiment import Experiment
+from asmc_pin.monitors import monitor
+from asmc_pin.rollout import rollout
 
 
 def measure(dataset: xr.Dataset, label: str, window: float | None) -> dict[str, Any]:
@@ -20,8 +23,8 @@ def measure(dataset: xr.Dataset, label: str, window: float | None) -> dict[str, 
         window: RMS errors are over the first so many seconds; None for the whole run.
 
     Returns:
-        ``rms_deg, max_error_deg, torque_max, torque_variation, max_s, peak_gain, peak_gain_first_half,
-        peak_gain_second_half`` by joint, in deg, N·m, N·m/s, rad/s and rad/s²; ``gain_times``: time in which the gain
+        ``rms_deg, max_error_deg, torque_max, torque_variation, max_s, peak_gain, peak_gain_before,
+        peak_gain_last_quarter`` by joint, in deg, N·m, N·m/s, rad/s and rad/s²; ``gain_times``: time in which the gain
         of joint 1 rises from 10 to 90 % of its peak, and from the peak falls to half of it, s; ``status``,
         ``end_time``.
     """
@@ -32,7 +35,7 @@ def measure(dataset: xr.Dataset, label: str, window: float | None) -> dict[str, 
     # RMS as Table II has it: over its window only, so a law that diverges later still has one.
     inside = np.ones(time.size, dtype=bool) if window is None else time <= window + 1e-9
     torque, gain, s = run.torque.to_numpy()[:-1], run.gain.to_numpy(), run.s.to_numpy()
-    half = time.size // 2
+    late = 3 * time.size // 4
     adaptive = bool(np.isfinite(gain).any())
     return {
         "law": str(run.law.item()),
@@ -44,9 +47,19 @@ def measure(dataset: xr.Dataset, label: str, window: float | None) -> dict[str, 
         "torque_variation": _listed(np.sum(np.abs(np.diff(torque, axis=0)), axis=0) / (time[-1] - time[0])),
         "max_s": _listed(np.max(np.abs(s), axis=0)),
         "peak_gain": _listed(np.max(gain, axis=0)),
-        "peak_gain_first_half": _listed(np.max(gain[:half], axis=0)),
-        "peak_gain_second_half": _listed(np.max(gain[half:], axis=0)),
+        "peak_gain_before": _listed(np.max(gain[:late], axis=0)),
+        "peak_gain_last_quarter": _listed(np.max(gain[late:], axis=0)),
         "gain_times": list(_gain_times(time, gain[:, 0])) if ok and adaptive else [None, None],
+    }
+
+
+def theorems(experiment: Experiment, label: str) -> dict[str, dict[str, str]]:
+    """What the theorem monitors say of one controller: by claim its title, the verdict and the reason."""
+    plant, law = experiment.build_plant(), experiment.build_controllers()[label]
+    run = rollout(plant, law, experiment.build_reference(), experiment.duration)
+    found = monitor(run, experiment.build_arm(), law, effort_limit=plant.effort_limit)
+    return {
+        item.key: {"title": item.statement.title, "verdict": item.short, "reason": item.reason} for item in found.claims
     }
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
@@ -16,12 +15,13 @@ from asmc_pin._typing import Array
 from asmc_pin.controllers import TdeLaw
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
-from asmc_pin.plant import Plant
+from asmc_pin.plant import Friction, Plant
 from asmc_pin.rollout import Rollout, rollout
 from asmc_pin.study.paper import PAPER, PPC, PROPOSED, Printed
 from asmc_pin.study.readings import ADAPTATION, ERRORS, FRICTION, MOTION, Outcome, read
 from asmc_pin.study.stack import Stacked
 
+_PRESLIDING_DAMPING = 10.0  # N·m·s/rad
 _TOGETHER = ("motion", "start", "estimate")  # what trials of one rollout share
 
 
@@ -57,13 +57,11 @@ def _measure(experiment: Experiment, label: str, members: Sequence[Mapping[str, 
     changed = _motion(experiment, MOTION[members[0]["motion"]])
     plant = changed.build_plant()
     law = cast(TdeLaw, changed.build_controllers()[label])
-    scale = np.array([[FRICTION[reading["friction"]]] for reading in members])
-    friction = plant.friction
     run = rollout(
         Plant(
             plant.arms,
             substeps=plant.substeps,
-            friction=replace(friction, coulomb=friction.coulomb * scale, viscous=friction.viscous * scale),
+            friction=_friction(plant, members),
             effort_limit=plant.effort_limit,
             start=cast(Any, members[0]["start"]),
         ),
@@ -83,6 +81,16 @@ def _measure(experiment: Experiment, label: str, members: Sequence[Mapping[str, 
         }
         for i, reading in enumerate(members)
     ]
+
+
+def _friction(plant: Plant, members: Sequence[Mapping[str, str]]) -> Friction:
+    """Friction of every trial; the files of the paper have Coulomb and viscous friction only."""
+    scale, travel = (np.array(x)[:, None] for x in zip(*(FRICTION[item["friction"]] for item in members), strict=True))
+    coulomb = plant.friction.coulomb * scale
+    # Presliding: a spring that reaches the Coulomb level over the travel, well damped.
+    spring = np.where(travel > 0.0, coulomb / np.where(travel > 0.0, travel, 1.0), 0.0)
+    damping = np.where(spring > 0.0, _PRESLIDING_DAMPING, 0.0)
+    return Friction(coulomb, plant.friction.viscous * scale, presliding=spring, presliding_damping=damping)
 
 
 def _motion(experiment: Experiment, pace: float) -> Experiment:

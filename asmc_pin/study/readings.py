@@ -34,7 +34,13 @@ ADAPTATION: Mapping[str, tuple[float, float, float, float]] = {
     "s in degrees, k̂ in rad/s²": (1.0, 1.0 / DEG, DEG, 1.0),
 }
 INERTIA: Mapping[str, float] = {AS_PRINTED: 1.0, "M̄ × 180/π (torque from degrees)": DEG}
-FRICTION: Mapping[str, float] = {AS_PRINTED: 1.0, "half": 0.5, "none": 0.0}
+# Factor of the friction, and the travel over which it builds up before a joint slides, rad: 0 for a jump, as printed.
+FRICTION: Mapping[str, tuple[float, float]] = {
+    AS_PRINTED: (1.0, 0.0),
+    "half": (0.5, 0.0),
+    "smoothed over 0.02 rad": (1.0, 0.02),
+    "none": (0.0, 0.0),
+}
 MOTION: Mapping[str, float] = {"ours": 1.0, "gentler": 0.8, "quicker": 2.0}
 ERRORS: Mapping[str, float] = {"deg": 1.0, "rad": 1.0 / DEG}
 START: Sequence[str] = ("holding", "relaxed")

@@ -23,7 +23,7 @@ from asmc_pin.study.claims import judge
 from asmc_pin.study.compare import Progress, compare
 from asmc_pin.study.comparison import Comparison
 from asmc_pin.study.limits import limits
-from asmc_pin.study.measure import measure
+from asmc_pin.study.measure import measure, theorems
 from asmc_pin.study.paper import PAPER, PROPOSED
 from asmc_pin.study.reading_search import factor, nearest, outcomes, reconciled
 from asmc_pin.study.readings import AXES, DEG, ERRORS, Outcome, readings
@@ -181,6 +181,7 @@ def _experiment(name: str, comparison: Comparison) -> dict[str, Any]:
             for label in own
             if label.endswith(SUFFIX)
         },
+        "theorems": theorems(comparison.experiment, PROPOSED),
         "claims": judge(told, [float(norm.min()), float(norm.max())], printed),
     }
 
