@@ -45,7 +45,7 @@ def main(argv: Sequence[str] | None = None) -> None:
         argv: Arguments without the program's name; the process's own when None.
     """
     # Commands register themselves on import; what is heavy is imported inside each command, so that --help is quick.
-    from asmc_pin.cli import condition, design, study, tables  # noqa: F401
+    from asmc_pin.cli import condition, design, proof, study, tables  # noqa: F401
 
     warnings.showwarning = _show_warning
     try:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from asmc_pin.cli.app import app
+from asmc_pin.cli.console import progress_bar
 from asmc_pin.cli.options import (
     ArmArgument,
     ArmatureOption,
@@ -18,13 +19,16 @@ from asmc_pin.cli.options import (
     LockOption,
     MbarOption,
     PayloadOption,
+    note,
     open_domain,
     parse_box,
     per_joint,
     print_json,
 )
+from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
+    from asmc_pin.arms import Arm
     from asmc_pin.condition import ConditionReport
 
 EXIT = {"holds": 0, "unrefuted": 0, "violated": 1, "undecided": 3}
@@ -41,6 +45,22 @@ def verify(
         str | None,
         typer.Option(metavar="EXPERIMENT", help="Along this experiment's reference instead of over the joint box."),
     ] = None,
+    tube: Annotated[
+        float | None, typer.Option(metavar="RAD", help="With --along: also all within this of the motion, rad or m.")
+    ] = None,
+    certify: Annotated[
+        bool, typer.Option("--certify", help="Prove it over the whole box, as far as the budget goes.")
+    ] = False,
+    gap: Annotated[
+        float, typer.Option(help="Relative distance of the scales proven and refuted to be content with.")
+    ] = 0.01,
+    budget: Annotated[float, typer.Option(metavar="S", help="Time for the proof.")] = 60.0,
+    certificate: Annotated[
+        str | None, typer.Option(metavar="FILE", help="Write the proof to a file that 'asmc-pin check' replays.")
+    ] = None,
+    report: Annotated[
+        str | None, typer.Option(metavar="FILE", help="Write one page for a reviewer, .html or .md.")
+    ] = None,
     box: BoxOption = None,
     payload: PayloadOption = None,
     armature: ArmatureOption = None,
@@ -48,23 +68,73 @@ def verify(
     gravity: GravityOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Look for a configuration at which M̄ breaks the condition. Exit status 1 when there is one."""
+    """Look for a configuration at which M̄ breaks the condition, or prove that there is none.
+
+    Exit status 0: it holds, or was not refuted; 1: it is violated; 3: undecided within the budget.
+    """
     from asmc_pin.condition import verify as run
 
+    page = report_path(report)
+    if certificate is not None and not certify:
+        raise ParameterError("--certificate", "is what --certify proves: add --certify")
+    if certify and along is not None:
+        raise ParameterError("--certify", "proves over a joint box; leave out --along, or give the box with --box")
+    if tube is not None and along is None:
+        raise ParameterError("--tube", "is around a motion: add --along EXPERIMENT or a CSV of recorded data")
     loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
-    options: dict[str, Any] = {"condition": condition, "seed": seed, "box": parse_box(box), **domain}
-    if samples is not None:
-        options["samples"] = samples
+    domain |= {"condition": condition, "seed": seed, "box": parse_box(box)}
+    values = per_joint(mbar, "--mbar")
+    options: dict[str, Any] = {} if samples is None else {"samples": samples}
     if along is not None:
-        from asmc_pin.experiment import load_experiment
+        options |= {"along": _motion(along, loaded), "tube_width": tube}
+    found = run(loaded, values, **domain, **options)
+    if certify:
+        found = _prove(loaded, values, found, certificate, gap=gap, budget=budget, **domain)
+    if page is not None:
+        from asmc_pin.report.condition import write_condition_report
 
-        options["along"] = load_experiment(along)
-    report = run(loaded, per_joint(mbar, "--mbar"), **options)
+        write_condition_report(found, loaded, page)
+        note(f"report: {page}")
     if as_json:
-        print_json(report.to_json_dict())
+        print_json(found.to_json_dict())
     else:
-        print_verdict(report)
-    raise typer.Exit(EXIT[report.verdict])
+        print_verdict(found)
+        _print_tde_error(options.get("along"), loaded, values)
+    raise typer.Exit(EXIT[found.verdict])
+
+
+def _motion(along: str, arm: Arm) -> Any:
+    """An experiment, or recorded data where the name ends in .csv."""
+    if along.lower().endswith(".csv"):
+        from asmc_pin.condition.recorded import read_recording
+
+        return read_recording(along, arm)
+    from asmc_pin.experiment import load_experiment
+
+    return load_experiment(along)
+
+
+def _prove(
+    arm: Arm, mbar: float | list[float], found: ConditionReport, certificate: str | None, **options: Any
+) -> ConditionReport:
+    """Join a search's report with a proof of the same statement."""
+    from asmc_pin.condition.certificate import certify
+    from asmc_pin.condition.certified import certified
+
+    budget = options["budget"]
+    with progress_bar() as show:
+
+        def tell(state: Any) -> None:
+            what = f"proven M̄ × {state.proven:.4g}, refuted × {state.refuted:.4g}, {state.trying}"
+            show(what, min(state.seconds / budget, 1.0))
+
+        result = certify(arm, mbar, progress=tell, **options)
+    if certificate is not None:
+        if result.proofs:
+            note(f"certificate: {result.save(certificate)}")
+        else:
+            note(f"nothing is proven, so no certificate was written to {certificate}")
+    return certified(found, result)
 
 
 def print_verdict(report: ConditionReport) -> None:
@@ -73,11 +143,14 @@ def print_verdict(report: ConditionReport) -> None:
     from rich.console import Console
     from rich.table import Table
 
+    from asmc_pin.report.condition_text import NAMES
+
     console = Console(highlight=False)
     style = {"holds": "bold green", "unrefuted": "bold green", "violated": "bold red"}.get(
         report.verdict, "bold yellow"
     )
-    console.print(f"{report.arm}: {report.formula}", soft_wrap=True)
+    name = NAMES[report.condition]
+    console.print(f"{report.arm}: {name}, {report.formula}", soft_wrap=True)
     console.print(
         f"[{style}]{report.verdict}[/]  ({report.kind}, {report.configurations} configurations, {report.seconds:.1f} s)"
     )
@@ -85,6 +158,18 @@ def print_verdict(report: ConditionReport) -> None:
     if report.worst_time is not None:
         largest += f", at t = {report.worst_time:.4g} s"
     console.print(f"{largest}; smallest {report.smallest:.6g}")
+    if report.scale_refuted is not None:
+        proven = report.scale_proven or 0.0
+        console.print(
+            f"proven for M̄ times {proven:.6g}, counter-example for M̄ times {report.scale_refuted:.6g} "
+            f"(gap {1.0 - proven / report.scale_refuted:.2%})"
+        )
+    if report.upper is not None:
+        console.print(
+            f"the norm is proven to be at most {report.upper:.6g} over the box"
+            if report.upper < 1.0
+            else "the norm is proven to be below 1 over the box"
+        )
     if report.worst_case:
         console.print(f"worst case: {report.worst_case}")
     table = Table("joint", "m̄ kg·m²", "worst q rad", "deg", box=None, pad_edge=False)
@@ -95,10 +180,21 @@ def print_verdict(report: ConditionReport) -> None:
         console.print(f"note: {line}", soft_wrap=True)
 
 
+def _print_tde_error(along: Any, arm: Arm, mbar: float | list[float]) -> None:
+    """The TDE error that M̄ would have made along recorded motion, where its torque was recorded too."""
+    from asmc_pin.condition.recorded import Recording, tde_error
+
+    if not isinstance(along, Recording) or along.torque is None:
+        return
+    import numpy as np
+
+    error = np.nanmax(np.abs(tde_error(arm, mbar, along)), axis=0)
+    figures = ", ".join(f"{name} {value:.4g}" for name, value in zip(arm.joint_names, error, strict=True))
+    typer.echo(f"largest TDE error |N| that M̄ would have made, rad/s²: {figures}")
+
+
 def report_path(text: str | None) -> Path | None:
     """``--report FILE``; the suffix chooses the form."""
-    from asmc_pin.errors import ParameterError
-
     if text is None:
         return None
     path = Path(text)

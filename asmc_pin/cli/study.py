@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
 from asmc_pin.cli.app import app
+from asmc_pin.cli.console import progress_bar
 from asmc_pin.cli.options import JsonOption, note, print_json
 
 if TYPE_CHECKING:
     from asmc_pin.study import Comparison
-    from asmc_pin.study.compare import Progress
 
 DirArgument: TypeAlias = Annotated[
     str, typer.Argument(metavar="DIR", help="Folder of a result, or the name of one in results/.")
@@ -36,7 +34,7 @@ def compare(
     from asmc_pin.study import compare as run
 
     loaded = load_experiment(experiment)
-    with _progress_bar() as progress:
+    with progress_bar() as progress:
         comparison = run(loaded, out=out, force=force, progress=progress, warn=warn)
     if as_json:
         print_json(comparison.to_json_dict())
@@ -87,12 +85,12 @@ def demo() -> None:
     experiment = load_experiment("demo")
     arm = experiment.build_arm()
     typer.echo("1. May this M̄ be used?")
-    with _progress_bar() as progress:
+    with progress_bar() as progress:
         progress("searching", 0.0)  # the first run also compiles the kernels
         verdict = verify(arm, experiment.defaults["mbar"])
     print_verdict(verdict)
     typer.echo("\n2. Which controller is better?")
-    with _progress_bar() as progress:
+    with progress_bar() as progress:
         comparison = run(experiment, force=True, progress=progress, warn=warn)
     print_comparison(comparison)
 
@@ -122,16 +120,3 @@ def print_comparison(comparison: Comparison) -> None:
         console.print(f"note: {line}", soft_wrap=True, markup=False)
     console.print(f"report: {comparison.out / 'report.html'}", soft_wrap=True, markup=False)
     console.print(f"replay: asmc-pin view {comparison.out}", soft_wrap=True, markup=False)
-
-
-@contextmanager
-def _progress_bar() -> Iterator[Progress]:
-    """A bar on standard error, where it never mixes with a result; silent where nobody watches."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
-
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description:<12}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("", total=1.0)
-        yield lambda what, share: bar.update(task, description=what, completed=share)

@@ -1,0 +1,69 @@
+"""`asmc-pin check`, `agree` and `reproduce`: what others can replay."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from asmc_pin.cli.app import app
+from asmc_pin.cli.console import progress_bar
+from asmc_pin.cli.options import (
+    ArmArgument,
+    ArmatureOption,
+    GravityOption,
+    JsonOption,
+    LockOption,
+    PayloadOption,
+    open_domain,
+    print_json,
+)
+from asmc_pin.errors import ParameterError
+
+
+@app.command()
+def agree(
+    arm: ArmArgument,
+    payload: PayloadOption = None,
+    armature: ArmatureOption = None,
+    lock: LockOption = None,
+    gravity: GravityOption = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of the configurations and torques.")] = 0,
+    as_json: JsonOption = False,
+) -> None:
+    """Compare an arm's dynamics with MuJoCo, which reads the same URDF text. Exit status 1 when they disagree."""
+    from asmc_pin.agreement import agree as run
+
+    loaded, ranges = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
+    if ranges:
+        raise ParameterError(f"--{next(iter(ranges))}", "one value expected here, not a range")
+    report = run(loaded, seed=seed)
+    if as_json:
+        print_json(report.to_json_dict())
+    else:
+        typer.echo("\n".join(report.lines()))
+    raise typer.Exit({"agrees": 0, "disagrees": 1, "not compared": 3}[report.verdict])
+
+
+@app.command()
+def reproduce(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[NAME]...", help="Some of the paper's experiments.")
+    ] = None,
+    out: Annotated[
+        str, typer.Option(metavar="DIR", help="Folder of the page and the results.")
+    ] = "results/reproduction",
+    force: Annotated[bool, typer.Option("--force", help="Replace results that are there already.")] = False,
+    tune: Annotated[bool, typer.Option("--tune", help="Tune the laws anew first (long).")] = False,
+    docs: Annotated[str | None, typer.Option(metavar="DIR", help="Write the page into this folder as well.")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Run the paper's experiments, as printed and as reconciled, and set its figures beside what is measured."""
+    from asmc_pin.study.reproduce import reproduce as run
+
+    with progress_bar() as progress:
+        done = run(names, out, force=force, tune=tune, docs=docs, progress=progress)
+    if as_json:
+        print_json(done.to_json_dict())
+    else:
+        typer.echo("\n".join(done.lines()))
