@@ -1,7 +1,8 @@
 """What a comparison leaves on disk, and reading it back.
 
 A result is a folder: ``experiment.toml``, ``trajectories.nc``, ``summary.parquet``, ``summary.md``, ``summary.tex``,
-``figures/``, ``report.html``, ``provenance.json``. It appears as a whole or not at all.
+``claims.parquet``, ``monitors.nc``, ``figures/``, ``report.html``, ``provenance.json``. It appears as a whole or not at
+all.
 """
 
 from __future__ import annotations
@@ -33,6 +34,8 @@ EXPERIMENT, TRAJECTORIES, SUMMARY, PROVENANCE = (
     "summary.parquet",
     "provenance.json",
 )
+MONITORS, CLAIMS = "monitors.nc", "claims.parquet"
+"""What the theorems' monitors found (docs/monitors.md); a result made without them is whole too."""
 
 # Variable: meaning, unit on a revolute joint, unit on a prismatic one.
 VARIABLES: Mapping[str, tuple[str, str, str]] = {
@@ -58,6 +61,8 @@ class Result:
         dataset: Trajectories; dimensions controller, trial, time, joint.
         summary: One row for each controller, trial and joint; metrics in SI units.
         provenance: Versions, hashes, seed, times.
+        claims: The paper's claims on each controller and trial, see `asmc_pin.monitors.claim_rows`; None without.
+        monitors: The arrays behind them, see `asmc_pin.monitors.monitor_dataset`; None without.
     """
 
     path: Path
@@ -65,6 +70,8 @@ class Result:
     dataset: xr.Dataset
     summary: pd.DataFrame
     provenance: dict[str, Any]
+    claims: pd.DataFrame | None = None
+    monitors: xr.Dataset | None = None
 
 
 def load_result(path: str | Path) -> Result:
@@ -93,6 +100,8 @@ def load_result(path: str | Path) -> Result:
             dataset=xr.load_dataset(folder / TRAJECTORIES, engine="h5netcdf"),
             summary=pd.read_parquet(folder / SUMMARY),
             provenance=json.loads((folder / PROVENANCE).read_text(encoding="utf-8")),
+            claims=pd.read_parquet(folder / CLAIMS) if (folder / CLAIMS).is_file() else None,
+            monitors=xr.load_dataset(folder / MONITORS, engine="h5netcdf") if (folder / MONITORS).is_file() else None,
         )
     except (OSError, ValueError, KeyError, AsmcPinError) as error:
         raise ResultError(folder, f"{folder} cannot be read, run the comparison again: {error}") from error
@@ -150,8 +159,8 @@ def write_trajectories(dataset: xr.Dataset, path: Path) -> None:
         pass
     encoding = {
         name: {"zlib": True, "complevel": 2, "shuffle": True, "_FillValue": None}
-        for name in VARIABLES
-        if dataset[name].size
+        for name, values in dataset.data_vars.items()
+        if "time" in values.dims and values.size
     }
     dataset.to_netcdf(path, mode="a", engine="h5netcdf", encoding=encoding)
 

@@ -33,7 +33,18 @@ MAY_IMPORT: dict[str, set[str]] = {
     "experiment": {"resources", "arms", "controllers", "baselines", "references", "condition", "plant", "metrics"},
     "results": {"resources", "arms", "references", "rollout", "metrics", "monitors", "experiment"},
     "viewer": {"resources", "arms", "metrics", "experiment", "results"},
-    "report": {"resources", "arms", "controllers", "references", "condition", "metrics", "experiment", "results", "viewer"},
+    "report": {
+        "resources",
+        "arms",
+        "controllers",
+        "references",
+        "condition",
+        "metrics",
+        "monitors",
+        "experiment",
+        "results",
+        "viewer",
+    },
 }
 EVERYTHING = {*MAY_IMPORT, "package"}
 MAY_IMPORT["study"] = EVERYTHING

@@ -14,6 +14,7 @@ from asmc_pin.monitors.record import Monitors
 # Variable: its name in `Monitors`, meaning, unit (of revolute joints; 2-norms mix units on an arm with both kinds).
 _PER_JOINT: Mapping[str, tuple[str, str, str]] = {
     "tde_error": ("error", "TDE error N, Gamma minus its estimate", "rad/s2"),
+    "gain": ("gain", "switching gain", "rad/s2"),
     "gain_bound": ("gain_bound", "what the gain may be by (12) and (16)", "rad/s2"),
 }
 _PER_TICK: Mapping[str, tuple[str, str, str]] = {
