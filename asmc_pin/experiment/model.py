@@ -84,6 +84,10 @@ class Experiment(ExperimentTables):
         data = {key: value for key, value in data.items() if value is not None}
         return type(self).from_dict(data, folder=self._folder, origin=self._origin)
 
+    def with_plant(self, **changes: Any) -> Self:
+        """The experiment with other values for keys of ``[plant]``, checked anew."""
+        return self.replace(plant={**self._data.get("plant", {}), **changes})
+
     def to_toml(self) -> str:
         """TOML text of the experiment: the file as it was read, or new text if it was made or changed in Python."""
         if self._text is not None and parse_toml(self._text, self._origin) == self._data:
@@ -149,7 +153,7 @@ class Experiment(ExperimentTables):
         for label, law in made.items() if not problems else ():
             try:
                 if knows_model(law):
-                    law = made[label] = law.with_arm(arm)
+                    law = made[label] = law.with_arm(self.build_plant().arm)
                 law.init(Sample(at_rest, at_rest.copy(), at_rest.copy()))
             except ParameterError as error:
                 text = str(error).removeprefix(f"{error.parameter}: ")

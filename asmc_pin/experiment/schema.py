@@ -187,6 +187,9 @@ class MetricsTable(Table):
     settling_band: PositivePerJoint = Field(
         default=0.002, description="band of |e| in which a joint counts as settled, rad (m)"
     )
+    tool: str | None = Field(
+        default=None, description="link or frame whose error is given in mm and rad; none if omitted"
+    )
 
 
 def _printable(value: dict[str, Any]) -> dict[str, Any]:

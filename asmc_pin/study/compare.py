@@ -5,17 +5,19 @@ from __future__ import annotations
 import json
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from asmc_pin import results
 from asmc_pin.arms import Arm
+from asmc_pin.arms.kinematics import FrameKinematics
 from asmc_pin.baselines import shown_label
 from asmc_pin.controllers import Controller
-from asmc_pin.errors import AsmcPinError, ExperimentError
+from asmc_pin.errors import AsmcPinError, ExperimentError, ParameterError
 from asmc_pin.experiment import Experiment
 from asmc_pin.plant import Plant
 from asmc_pin.report.figures import draw_figures
@@ -25,6 +27,9 @@ from asmc_pin.rollout import Rollout, rollout
 from asmc_pin.study.comparison import Comparison, summary_rows
 from asmc_pin.study.notes import after_the_run, before_the_run, lemma1_along
 from asmc_pin.study.provenance import provenance
+from asmc_pin.study.refine import Refinement, refinement
+from asmc_pin.study.tool import add_tool_error, tool_table
+from asmc_pin.tool_error import ToolError, tool_error
 
 Progress = Callable[[str, float], None]
 """Told what is being done, and which share of all is done, 0 to 1."""
@@ -38,6 +43,7 @@ def compare(
     force: bool = False,
     progress: Progress | None = None,
     warn: Callable[[str], None] | None = None,
+    refine: bool = False,
 ) -> Comparison:
     """Run every controller of an experiment on the same plant and write the result.
 
@@ -50,6 +56,7 @@ def compare(
         progress: Called now and then.
         warn: Called with every warning as soon as it is known, which for most is before anything is run; all of them
             are in the comparison too.
+        refine: Whether to run everything again with half the step, and to say how far each metric moves.
 
     Returns:
         The comparison. A law that diverged has status ``"diverged"`` in it; that is no error.
@@ -65,20 +72,24 @@ def compare(
     say = warn or (lambda _line: None)
     tell("loading", 0.0)
     started = datetime.now(UTC)
-    arm, plant, laws = experiment.build_arm(), experiment.build_plant(), experiment.build_controllers()
+    plant, laws = experiment.build_plant(), experiment.build_controllers()
+    arm = plant.arm
+    _check_tool(experiment, arm)
     lemma1 = lemma1_along(arm, *experiment.setpoints(), laws)
     warnings = before_the_run(experiment, plant, laws, lemma1)
     for line in warnings:
         say(line)
 
-    seconds: dict[str, float] = {}
-    runs: dict[str, Rollout] = {}
     shown = {label: shown_label(label, law) for label, law in laws.items()}
-    for i, (label, law) in enumerate(laws.items()):
-        begun = time.perf_counter()
-        runs[label] = _run(experiment, plant, label, law, _part(tell, shown[label], i, len(laws)))
-        seconds[label] = time.perf_counter() - begun
-    for line in after_the_run({shown[label]: run for label, run in runs.items()}):
+    share = 1.0 / 3.0 if refine else 1.0  # half the step takes twice the time
+    runs, seconds = _runs(experiment, plant, laws, shown, lambda what, done: tell(what, share * done))
+    rows = summary_rows(experiment, arm, runs, shown)
+    after = after_the_run({shown[label]: run for label, run in runs.items()})
+    refined = None
+    if refine:
+        refined = _refined(experiment, rows, shown, lambda what, done: tell(what, share + (_SIMULATION - share) * done))
+        after += refined.warnings()
+    for line in after:
         warnings.append(line)
         say(line)
 
@@ -86,7 +97,7 @@ def compare(
         experiment=experiment,
         arm=arm,
         out=folder,
-        rows=summary_rows(experiment, arm, runs, shown),
+        rows=rows,
         dataset=results.trajectories(
             arm,
             {shown[label]: run for label, run in runs.items()},
@@ -94,13 +105,52 @@ def compare(
         ),
         warnings=tuple(warnings),
         lemma1=lemma1,
+        refinement=refined,
+        tool=_tool_errors(experiment, arm, runs),
     )
+    add_tool_error(comparison.dataset, list(comparison.tool.values()))
     # For who reads the result back: the report, and a person with the trajectories alone.
     comparison.dataset.attrs |= {"warnings": "\n".join(warnings), "notes": "\n".join(comparison.notes)}
     with results.whole_or_not_at_all(folder, force) as made:
         _write(comparison, plant, made, started, seconds, tell)
     tell("done", 1.0)
     return comparison
+
+
+def _runs(
+    experiment: Experiment, plant: Plant, laws: Mapping[str, Controller], shown: Mapping[str, str], tell: Progress
+) -> tuple[dict[str, Rollout], dict[str, float]]:
+    """Every law's run, and the seconds that it took, by label."""
+    runs, seconds = {}, {}
+    for i, (label, law) in enumerate(laws.items()):
+        begun = time.perf_counter()
+        runs[label] = _run(experiment, plant, label, law, _part(tell, shown[label], i, len(laws)))
+        seconds[label] = time.perf_counter() - begun
+    return runs, seconds
+
+
+def _refined(experiment: Experiment, rows: pd.DataFrame, shown: Mapping[str, str], tell: Progress) -> Refinement:
+    """The same with half the step."""
+    substeps = experiment.plant.substeps
+    finer = experiment.with_plant(substeps=2 * substeps)
+    plant, laws = finer.build_plant(), finer.build_controllers()
+    again = {label: f"{name}, half the step" for label, name in shown.items()}
+    runs, _ = _runs(finer, plant, laws, again, lambda what, done: tell(what, done / _SIMULATION))
+    return refinement(rows, summary_rows(finer, plant.arm, runs, shown), substeps)
+
+
+def _check_tool(experiment: Experiment, arm: Arm) -> None:
+    """Say that there is no such tool before anything is run."""
+    if experiment.metrics.tool is not None:
+        try:
+            FrameKinematics(arm, experiment.metrics.tool)
+        except ParameterError as error:
+            raise ExperimentError("metrics.tool", str(error).removeprefix("frame: ")) from None
+
+
+def _tool_errors(experiment: Experiment, arm: Arm, runs: Mapping[str, Rollout]) -> dict[str, ToolError]:
+    tool = experiment.metrics.tool
+    return {} if tool is None else {label: tool_error(arm, run, tool) for label, run in runs.items()}
 
 
 def _part(tell: Progress, label: str, index: int, count: int) -> Callable[[int, int], None]:
@@ -191,4 +241,6 @@ def summary_markdown(comparison: Comparison) -> str:
         "",
         metric_tables_markdown(comparison.rows),
     ]
+    for extra in (tool_table(comparison.tool), comparison.refinement and comparison.refinement.table()):
+        lines += ["", f"## {extra.title}", "", markdown_table(extra), ""] if extra else []
     return "\n".join(lines)

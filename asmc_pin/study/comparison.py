@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,9 @@ from asmc_pin.metrics import METRICS, evaluate
 from asmc_pin.report.tables import Table, overview
 from asmc_pin.rollout import Rollout
 from asmc_pin.study.notes import Lemma1Range, lemma1_lines
+from asmc_pin.study.refine import Refinement
+from asmc_pin.study.tool import tool_figures
+from asmc_pin.tool_error import ToolError
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,8 @@ class Comparison:
         dataset: Trajectories; dimensions controller, trial, time, joint; units as attributes.
         warnings: What a user ought to be told, in plain words.
         lemma1: Range of ‖I − M⁻¹M̄‖₂ along the reference, for each label whose law has an M̄.
+        refinement: How far the metrics move with half the step, if that was asked for.
+        tool: Error of the tool frame by label, if the experiment names one.
     """
 
     experiment: Experiment
@@ -41,6 +46,8 @@ class Comparison:
     dataset: xr.Dataset
     warnings: tuple[str, ...]
     lemma1: Mapping[str, Lemma1Range]
+    refinement: Refinement | None = None
+    tool: Mapping[str, ToolError] = field(default_factory=dict)
 
     @property
     def notes(self) -> list[str]:
@@ -76,6 +83,10 @@ class Comparison:
             if label in self.lemma1:
                 item = self.lemma1[label]
                 figures["lemma1_along_reference"] = [item.lower, item.upper]
+            if label in self.tool:
+                figures["tool"] = tool_figures(self.tool[label])
+            if self.refinement is not None:
+                figures["refinement"] = self.refinement.of_first_trial(str(rows.controller.iloc[0]))
             controllers[label] = figures
         return {
             "arm": self.arm.name,

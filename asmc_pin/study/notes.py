@@ -79,7 +79,7 @@ def before_the_run(
     friction = plant.friction
     warnings = check_reference(
         experiment.build_reference(),
-        experiment.build_arm(),
+        plant.arm,
         experiment.duration,
         experiment.period,
         coulomb=np.broadcast_to(friction.coulomb, (plant.nv,)),

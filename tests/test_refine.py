@@ -1,0 +1,114 @@
+"""Claims about --refine: it finds what is an artefact of the step, and only that; and about the tool's error."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+from plant_cases import OpenLoop, Still
+from scipy.spatial.transform import Rotation
+from short_experiment import SHORT
+
+from asmc_pin.arms import load_arm
+from asmc_pin.errors import ExperimentError, ParameterError
+from asmc_pin.experiment import Experiment
+from asmc_pin.metrics import METRICS
+from asmc_pin.plant import Friction, Plant
+from asmc_pin.rollout import rollout
+from asmc_pin.study import compare
+from asmc_pin.tool_error import tool_error
+
+
+def experiment(**changes):
+    data = tomllib.loads(SHORT)
+    del data["controllers"]["Wild"]
+    data["controllers"]["Slow"] = {"law": "ppc", "ks": 3.0}
+    return Experiment.from_dict({**data, **changes})
+
+
+@pytest.fixture(scope="module")
+def refined(tmp_path_factory):
+    out = tmp_path_factory.mktemp("refine") / "r"
+    base = experiment(metrics={"tool": load_arm("two_link").link_names[-1]}, seed=4)
+    return compare(base.with_plant(sensor={"position_noise": 1e-6}), out=out, refine=True)
+
+
+def test_the_moves_are_the_differences_to_a_run_with_twice_the_substeps(refined, tmp_path):
+    finer = compare(refined.experiment.with_plant(substeps=4, sensor={"position_noise": 1e-6}), out=tmp_path / "f")
+    assert refined.refinement.substeps == 2
+    for name in METRICS:
+        np.testing.assert_array_equal(refined.refinement.finer[name], finer.rows[name])
+        moved = finer.rows[name].to_numpy() - refined.rows[name].to_numpy()
+        np.testing.assert_array_equal(refined.refinement.moved[name], moved)
+
+
+def test_they_are_in_the_summary_and_in_the_json(refined):
+    text = (refined.out / "summary.md").read_text(encoding="utf-8")
+    assert "How far the metrics move from 2 to 4 substeps" in text
+    assert "Tool-centre error of" in text
+    printed = json.loads(json.dumps(refined.to_json_dict(), allow_nan=False))
+    moves = printed["controllers"]["Slow"]["refinement"]
+    assert set(moves) == set(METRICS)
+    assert moves["rms_error"] == pytest.approx(refined.refinement.relative.rms_error[2:4].tolist())
+    tool = printed["controllers"]["PPC"]["tool"]
+    assert tool["rms_position_mm"] > 0.0
+    assert tool["max_rotation_rad"] >= tool["rms_rotation_rad"] > 0.0
+
+
+def test_the_trajectories_carry_the_tools_error(refined):
+    dataset = refined.dataset
+    assert dataset.tool_error_position.dims == ("controller", "trial", "time")
+    assert dataset.tool_error_position.attrs["units"] == "m"
+    rms = float(np.sqrt(np.mean(dataset.tool_error_position.sel(controller="PPC").to_numpy() ** 2)))
+    assert rms * 1e3 == pytest.approx(refined.to_json_dict()["controllers"]["PPC"]["tool"]["rms_position_mm"])
+
+
+def test_a_step_that_is_too_long_is_told_and_a_short_one_is_not(tmp_path):
+    fast = {"kind": "multisine", "offset": [0.3, 0.2], "amplitude": [[0.8], [0.8]], "frequency": [[2.0], [3.0]]}
+    rough = experiment(period=0.04, reference=fast, defaults={"mbar": 0.01, "ks": 1.0, "beta": 1.0})
+    coarse = compare(rough.with_plant(substeps=1), out=tmp_path / "coarse", refine=True)
+    fine = compare(rough.with_plant(substeps=64, integrator="midpoint"), out=tmp_path / "fine", refine=True)
+    assert any("half the step moves" in line for line in coarse.warnings)
+    assert not any("half the step" in line for line in fine.warnings)
+
+
+def test_without_it_nothing_is_said(tmp_path):
+    plain = compare(experiment(), out=tmp_path / "p")
+    assert plain.refinement is None
+    assert "refinement" not in plain.to_json_dict()["controllers"]["PPC"]
+    assert "substeps" not in (plain.out / "summary.md").read_text(encoding="utf-8")
+
+
+# The tool
+
+
+def test_the_tools_error_is_distance_and_angle_between_the_two_poses():
+    arm = load_arm("ur5")
+    q = np.array([0.3, -1.0, 1.2, 0.4, 0.8, 0.2])
+    run = rollout(
+        Plant(arm, friction=Friction(), start="relaxed"), OpenLoop(lambda t: np.zeros(6), 1e-3), Still(q), 0.4
+    )
+    found = tool_error(arm, run, "tool0")
+    index = arm.link_names.index("tool0")
+    poses, wanted = arm.link_poses(run.q[0])[:, index], arm.link_poses(q)[index]
+    np.testing.assert_allclose(found.position[0], np.linalg.norm(poses[:, :3, 3] - wanted[:3, 3], axis=1), atol=1e-14)
+    turns = Rotation.from_matrix(wanted[:3, :3]).inv() * Rotation.from_matrix(poses[:, :3, :3])
+    np.testing.assert_allclose(found.rotation[0], turns.magnitude(), atol=1e-9)
+    assert found.rotation.max() > 0.01
+    assert found.position[0, 0] == 0.0
+    assert found.rotation[0, 0] == 0.0
+
+
+def test_a_trial_that_diverged_has_no_tool_error():
+    arm = load_arm("two_link")
+    run = rollout(Plant(arm), OpenLoop(lambda t: np.full(2, np.nan), 1e-3), Still(np.zeros(2)), 0.05)
+    assert all(np.isnan(x).all() for x in tool_error(arm, run, arm.link_names[-1]).figures().values())
+
+
+def test_an_unknown_tool_is_answered_before_anything_runs(tmp_path):
+    with pytest.raises(ExperimentError, match=r"metrics.tool: no link 'hand'"):
+        compare(experiment(metrics={"tool": "hand"}), out=tmp_path / "t")
+    with pytest.raises(ParameterError, match=r"tool: no link 'hand'"):
+        tool_error(load_arm("two_link"), None, "hand")
