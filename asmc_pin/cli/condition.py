@@ -13,12 +13,17 @@ from asmc_pin.cli.options import (
     ArmArgument,
     ArmatureOption,
     BoxOption,
+    BudgetOption,
+    CertificateOption,
+    CertifyOption,
     ConditionOption,
+    GapOption,
     GravityOption,
     JsonOption,
     LockOption,
     MbarOption,
     PayloadOption,
+    ReportOption,
     note,
     open_domain,
     parse_box,
@@ -29,7 +34,7 @@ from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
-    from asmc_pin.condition import ConditionReport
+    from asmc_pin.condition import ConditionReport, DesignReport
 
 EXIT = {"holds": 0, "unrefuted": 0, "violated": 1, "undecided": 3}
 
@@ -48,19 +53,11 @@ def verify(
     tube: Annotated[
         float | None, typer.Option(metavar="RAD", help="With --along: also all within this of the motion, rad or m.")
     ] = None,
-    certify: Annotated[
-        bool, typer.Option("--certify", help="Prove it over the whole box, as far as the budget goes.")
-    ] = False,
-    gap: Annotated[
-        float, typer.Option(help="Relative distance of the scales proven and refuted to be content with.")
-    ] = 0.01,
-    budget: Annotated[float, typer.Option(metavar="S", help="Time for the proof.")] = 60.0,
-    certificate: Annotated[
-        str | None, typer.Option(metavar="FILE", help="Write the proof to a file that 'asmc-pin check' replays.")
-    ] = None,
-    report: Annotated[
-        str | None, typer.Option(metavar="FILE", help="Write one page for a reviewer, .html or .md.")
-    ] = None,
+    certify: CertifyOption = False,
+    gap: GapOption = 0.01,
+    budget: BudgetOption = 60.0,
+    certificate: CertificateOption = None,
+    report: ReportOption = None,
     box: BoxOption = None,
     payload: PayloadOption = None,
     armature: ArmatureOption = None,
@@ -75,8 +72,7 @@ def verify(
     from asmc_pin.condition import verify as run
 
     page = report_path(report)
-    if certificate is not None and not certify:
-        raise ParameterError("--certificate", "is what --certify proves: add --certify")
+    check_proof_options(certify, certificate)
     if certify and along is not None:
         raise ParameterError("--certify", "proves over a joint box; leave out --along, or give the box with --box")
     if tube is not None and along is None:
@@ -89,12 +85,8 @@ def verify(
         options |= {"along": _motion(along, loaded), "tube_width": tube}
     found = run(loaded, values, **domain, **options)
     if certify:
-        found = _prove(loaded, values, found, certificate, gap=gap, budget=budget, **domain)
-    if page is not None:
-        from asmc_pin.report.condition import write_condition_report
-
-        write_condition_report(found, loaded, page)
-        note(f"report: {page}")
+        found = prove(loaded, values, found, certificate, gap=gap, budget=budget, **domain)
+    write_page(found, loaded, page)
     if as_json:
         print_json(found.to_json_dict())
     else:
@@ -114,7 +106,7 @@ def _motion(along: str, arm: Arm) -> Any:
     return load_experiment(along)
 
 
-def _prove(
+def prove(
     arm: Arm, mbar: float | list[float], found: ConditionReport, certificate: str | None, **options: Any
 ) -> ConditionReport:
     """Join a search's report with a proof of the same statement."""
@@ -191,6 +183,21 @@ def _print_tde_error(along: Any, arm: Arm, mbar: float | list[float]) -> None:
     error = np.nanmax(np.abs(tde_error(arm, mbar, along)), axis=0)
     figures = ", ".join(f"{name} {value:.4g}" for name, value in zip(arm.joint_names, error, strict=True))
     typer.echo(f"largest TDE error |N| that M̄ would have made, rad/s²: {figures}")
+
+
+def check_proof_options(certify: bool, certificate: str | None) -> None:
+    """A certificate is what a proof leaves."""
+    if certificate is not None and not certify:
+        raise ParameterError("--certificate", "is what --certify proves: add --certify")
+
+
+def write_page(report: ConditionReport | DesignReport, arm: Arm, page: Path | None) -> None:
+    """``--report FILE``, if it was asked for."""
+    if page is not None:
+        from asmc_pin.report.condition import write_condition_report
+
+        write_condition_report(report, arm, page)
+        note(f"report: {page}")
 
 
 def report_path(text: str | None) -> Path | None:

@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Any, TypeAlias
 
 import typer
 
 from asmc_pin.cli.app import app
+from asmc_pin.cli.condition import EXIT, check_proof_options, prove, report_path, write_page
 from asmc_pin.cli.options import (
     ArmArgument,
     ArmatureOption,
     BoxOption,
+    BudgetOption,
+    CertificateOption,
+    CertifyOption,
     ConditionOption,
+    GapOption,
     GravityOption,
     JsonOption,
     LockOption,
     MbarOption,
     PayloadOption,
+    ReportOption,
     note,
     number,
     open_domain,
@@ -66,6 +73,11 @@ def design(
     filter_hz: FilterOption = None,
     delay: DelayOption = 0.0,
     seed: Annotated[int, typer.Option(min=0, help="Of the searches.")] = 0,
+    certify: CertifyOption = False,
+    gap: GapOption = 0.01,
+    budget: BudgetOption = 60.0,
+    certificate: CertificateOption = None,
+    report: ReportOption = None,
     box: BoxOption = None,
     payload: PayloadOption = None,
     armature: ArmatureOption = None,
@@ -76,11 +88,18 @@ def design(
     """Find the M̄ of least contraction, or of the fastest estimate. Exit status 1 when none satisfies the condition."""
     from asmc_pin.condition import design as run
 
+    page = report_path(report)
+    check_proof_options(certify, certificate)
     if gains and period is None:
         raise ParameterError("--gains", "needs the control period: add --period 0.001, in seconds")
     loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
     options: dict[str, Any] = {"condition": condition, "objective": objective, "form": form, "level": level}
     found = run(loaded, **options, bounds=parse_bounds(bounds), box=parse_box(box), seed=seed, **domain)
+    if certify and found.check is not None:
+        limits = {"gap": gap, "budget": budget, "seed": seed, "condition": condition, "box": parse_box(box)}
+        check = prove(loaded, list(found.check.mbar), found.check, certificate, **limits, **domain)
+        found = replace(found, check=check, verdict=check.verdict)
+    write_page(found, loaded, page)
     content, lines = found.to_json_dict(), found.explanation()
     if gains and found.mbar is not None:
         from asmc_pin.condition.gains import suggest_gains
@@ -105,7 +124,7 @@ def design(
         print_json(content)
     else:
         typer.echo("\n".join(lines))
-    raise typer.Exit(1 if found.verdict in ("violated", "infeasible") else 0)
+    raise typer.Exit({"infeasible": 1, **EXIT}[found.verdict])
 
 
 @app.command()

@@ -66,6 +66,21 @@ JsonOption: TypeAlias = Annotated[
     bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")
 ]
 
+CertifyOption: TypeAlias = Annotated[
+    bool, typer.Option("--certify", help="Prove it over the whole box, as far as the budget goes.")
+]
+GapOption: TypeAlias = Annotated[
+    float, typer.Option("--gap", help="Relative distance of the scales proven and refuted to be content with.")
+]
+BudgetOption: TypeAlias = Annotated[float, typer.Option("--budget", metavar="S", help="Time for the proof.")]
+CertificateOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option("--certificate", metavar="FILE", help="Write the proof to a file that 'asmc-pin check' replays."),
+]
+ReportOption: TypeAlias = Annotated[
+    str | None, typer.Option("--report", metavar="FILE", help="Write one page for a reviewer, .html or .md.")
+]
+
 Range: TypeAlias = tuple[float, float]
 
 

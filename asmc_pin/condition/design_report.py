@@ -180,6 +180,7 @@ class DesignReport:
         lines = [
             f"{self.arm}: {self.formula}, largest norm found {self.check.lower:.6g} "
             f"({self.check.verdict}, {self.check.kind}), least possible {self.bound:.6g}",
+            *self._proven(self.check),
             "M̄ = " + ",".join(repr(float(value)) for value in self.mbar),
             f"slowest mode of the estimate: λ_min(M⁻¹M̄) = {self.bandwidth:.4g} per sample",
             *self._limits(),
@@ -199,6 +200,13 @@ class DesignReport:
                 f"{other.scale_lemma1:.4g} breaks Lemma 1"
             )
         return lines
+
+    @staticmethod
+    def _proven(check: ConditionReport) -> list[str]:
+        if check.scale_proven is None:
+            return []
+        bound = "" if check.upper is None else f"the norm is at most {check.upper:.6g} over the box, and "
+        return [f"proven: {bound}the condition holds for M̄ times {check.scale_proven:.6g}"]
 
     def _limits(self) -> list[str]:
         return [
