@@ -35,7 +35,8 @@ def outcomes(experiment: Experiment, wanted: Iterable[Mapping[str, str]]) -> lis
     wanted = list(wanted)
     groups: dict[tuple[str, ...], dict[tuple[str, ...], Mapping[str, str]]] = {}
     for reading in wanted:
-        shared = tuple(reading[axis] for axis in _TOGETHER)
+        smoothed = FRICTION[reading["friction"]][1] > 0.0
+        shared = (*(reading[axis] for axis in _TOGETHER), str(smoothed))
         groups.setdefault(shared, {})[_run_of(reading)] = reading
     measured: dict[tuple[str, ...], dict[str, Any]] = {}
     for members in groups.values():
@@ -85,12 +86,14 @@ def _measure(experiment: Experiment, label: str, members: Sequence[Mapping[str, 
 
 def _friction(plant: Plant, members: Sequence[Mapping[str, str]]) -> Friction:
     """Friction of every trial; the files of the paper have Coulomb and viscous friction only."""
-    scale, travel = (np.array(x)[:, None] for x in zip(*(FRICTION[item["friction"]] for item in members), strict=True))
-    coulomb = plant.friction.coulomb * scale
+    chosen = [FRICTION[item["friction"]] for item in members]
+    scale = np.array([[factor] for factor, _ in chosen])
+    coulomb, viscous = plant.friction.coulomb * scale, plant.friction.viscous * scale
+    if not any(travel for _, travel in chosen):
+        return Friction(coulomb, viscous)
     # Presliding: a spring that reaches the Coulomb level over the travel, well damped.
-    spring = np.where(travel > 0.0, coulomb / np.where(travel > 0.0, travel, 1.0), 0.0)
-    damping = np.where(spring > 0.0, _PRESLIDING_DAMPING, 0.0)
-    return Friction(coulomb, plant.friction.viscous * scale, presliding=spring, presliding_damping=damping)
+    spring = coulomb / np.array([[travel] for _, travel in chosen])
+    return Friction(coulomb, viscous, presliding=spring, presliding_damping=_PRESLIDING_DAMPING)
 
 
 def _motion(experiment: Experiment, pace: float) -> Experiment:
