@@ -64,7 +64,6 @@ HOME = {
     "pinocchio": {"arms", "plant"},
     "meshcat": {"viewer"},
     "matplotlib": {"report"},
-    "plotly": {"report"},
     "cvxpy": {"condition"},
     "pydantic": {"experiment"},
     "optuna": {"study"},
