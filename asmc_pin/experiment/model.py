@@ -22,7 +22,7 @@ from asmc_pin.experiment.schema import ExperimentTables
 from asmc_pin.experiment.toml import parse_toml, write_toml
 from asmc_pin.metrics import MetricSettings
 from asmc_pin.plant import Friction, Plant
-from asmc_pin.references import Reference
+from asmc_pin.references import CartesianPath, Reference
 
 
 class Experiment(ExperimentTables):
@@ -37,6 +37,7 @@ class Experiment(ExperimentTables):
     _origin: str = PrivateAttr(default="experiment")
     _text: str | None = PrivateAttr(default=None)
     _arm: Arm | None = PrivateAttr(default=None)
+    _reference: Reference | None = PrivateAttr(default=None)
 
     @classmethod
     def from_dict(
@@ -128,10 +129,20 @@ class Experiment(ExperimentTables):
             ExperimentError: it is for another number of joints than the arm has.
         """
         arm = self.build_arm()
+        if self._reference is not None:
+            return self._reference
         reference, problems = checks.reference_problems(self.reference, self._folder)
         if not problems and reference.nv != arm.nv:
             problems = [Problem("reference", f"moves {reference.nv} joints, but {checks.joints_of(arm)}")]
         checks.fail(problems, self._origin)
+        if not problems and isinstance(reference, CartesianPath):
+            try:
+                reference = reference.on(arm)
+            except ParameterError as error:
+                text = str(error).removeprefix(f"{error.parameter}: ")
+                problems = [Problem(f"reference.{error.parameter}", text)]
+        checks.fail(problems, self._origin)
+        self._reference = reference
         made: Reference = reference
         return made
 

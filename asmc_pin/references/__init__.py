@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from asmc_pin.references.base import Reference
+from asmc_pin.references.cartesian import CartesianPath, SolvedPath
 from asmc_pin.references.check import check_reference, required_torque
 from asmc_pin.references.csv_path import CsvPath
 from asmc_pin.references.moves import Quintic, Ramps
@@ -10,21 +11,24 @@ from asmc_pin.references.periodic import Fourier, Multisine
 
 __all__ = [
     "REFERENCES",
+    "CartesianPath",
     "CsvPath",
     "Fourier",
     "Multisine",
     "Quintic",
     "Ramps",
     "Reference",
+    "SolvedPath",
     "check_reference",
     "required_torque",
 ]
 
-REFERENCES: dict[str, type[Quintic | Multisine | Ramps | Fourier | CsvPath]] = {
+REFERENCES: dict[str, type[Quintic | Multisine | Ramps | Fourier | CsvPath | CartesianPath]] = {
     "quintic": Quintic,
     "multisine": Multisine,
     "ramps": Ramps,
     "fourier": Fourier,
     "csv": CsvPath,
+    "cartesian": CartesianPath,
 }
 """The kinds of reference by the names that experiments use."""

@@ -15,6 +15,7 @@ import xarray as xr
 from asmc_pin.arms import Arm
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS, evaluate
+from asmc_pin.references import SolvedPath
 from asmc_pin.report.tables import Table, overview
 from asmc_pin.rollout import Rollout
 from asmc_pin.study.notes import Lemma1Range, lemma1_lines
@@ -52,7 +53,9 @@ class Comparison:
     @property
     def notes(self) -> list[str]:
         """What is worth knowing and is no warning."""
-        return lemma1_lines(self.lemma1)
+        reference = self.experiment.build_reference()
+        solved = [str(reference)] if isinstance(reference, SolvedPath) else []
+        return lemma1_lines(self.lemma1) + solved
 
     def overview(self) -> Table:
         """The table that a person reads first."""
