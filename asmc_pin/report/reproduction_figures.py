@@ -166,7 +166,9 @@ def _limit(axis: Axes, value: float, both: bool = False) -> None:
     largest = max((float(np.nanmax(np.abs(line.get_ydata()), initial=0.0)) for line in axis.lines), default=0.0)
     if value > 4.0 * largest:
         text = f"paper's figure: to {'±' if both else ''}{value:g}"
-        axis.text(0.98, 0.93, text, transform=axis.transAxes, ha="right", va="top", color=GREY, fontsize=7.0)
+        place: Any = {"transform": axis.transAxes, "ha": "right", "va": "top", "color": GREY, "fontsize": 7.0}
+        behind = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
+        axis.text(0.98, 0.93, text, bbox=behind, **place)
         return
     for side in (-value, value) if both else (value,):
         axis.axhline(side, color=GREY, linestyle="--", linewidth=0.7)

@@ -1,0 +1,247 @@
+"""The paper's page: made from data, data that a run gives again, and verdicts that can turn."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from asmc_pin import load_experiment, rollout
+from asmc_pin.errors import ExperimentError, ResultError
+from asmc_pin.report.reproduction import page
+from asmc_pin.study.claims import CLAIMS, judge
+from asmc_pin.study.limits import break_away, limits, needed_gain
+from asmc_pin.study.paper import PAPER
+from asmc_pin.study.reading_search import factor, nearest, reconciled
+from asmc_pin.study.readings import AXES, Outcome, read, readings
+from asmc_pin.study.reproduce import NAMES, READINGS, SETS, reading_of, reproduce
+from asmc_pin.study.tuned import SUFFIX
+
+DOCS = Path(__file__).resolve().parent.parent / "docs"
+
+
+@pytest.fixture(scope="module")
+def data():
+    return json.loads((DOCS / "reproduction" / "reproduction.json").read_text(encoding="utf-8"))
+
+
+def test_the_page_is_what_its_data_give(data):
+    assert page(data, "reproduction") == (DOCS / "reproduction.md").read_text(encoding="utf-8"), (
+        "run asmc-pin reproduce --docs docs"
+    )
+
+
+def test_the_page_has_every_table_and_figure_of_the_paper_and_every_claim(data):
+    assert set(data["experiments"]) == set(NAMES)
+    assert list(data["figures"]) == [f"fig{number:02d}" for number in (3, 4, 5, 6, 7, 8, 10, 11, 12, 13)]
+    for item in data["experiments"].values():
+        assert set(item["claims"]) == set(CLAIMS)
+    text = page(data, "reproduction")
+    for title in ("Table I, as printed", "Table II, as printed", "Table III, as printed", "Table III, reconciled"):
+        assert f"### {title}" in text
+    for claim in CLAIMS:
+        assert f"### {claim[:1].upper()}{claim[1:]}" in text
+
+
+@pytest.mark.parametrize(
+    ("name", "label", "duration"),
+    [
+        ("baek2016_experiment", "PPC", 8.0),
+        ("baek2016_experiment_reconciled", "Existing tuned", 8.0),
+        ("baek2016_simulation_step", "PPC", 2.0),  # Table II is over the first 2 s
+        ("baek2016_simulation_step_reconciled", "Proposed", 2.0),
+    ],
+)
+def test_a_cell_of_the_page_comes_out_of_a_run_again(data, name, label, duration):
+    experiment = load_experiment(name)
+    law = experiment.build_controllers()[label]
+    run = rollout(experiment.build_plant(), law, experiment.build_reference(), duration)
+    rms = np.degrees(np.sqrt(np.mean((run.q_ref - run.q[0]) ** 2, axis=0)))
+    assert data["experiments"][name]["controllers"][label]["rms_deg"] == pytest.approx(rms.tolist(), rel=1e-6)
+
+
+def test_the_tuned_rows_of_the_files_are_those_of_the_page(data):
+    for name, item in data["experiments"].items():
+        for label, values in item["tuned"].items():
+            table = load_experiment(name).controllers[label]
+            assert {key: value for key, value in table.items() if key != "law"} == values
+
+
+def test_both_untuned_and_tuned_rows_are_shown_for_every_law_with_gains(data):
+    for item in data["experiments"].values():
+        plain = [label for label in item["controllers"] if not label.endswith(SUFFIX)]
+        assert set(item["controllers"]) == {*plain, *(label + SUFFIX for label in plain if label != "PPC")}
+
+
+def test_tuning_kept_its_limit_of_chatter_or_left_no_more_excess_than_before(data):
+    for item in data["experiments"].values():
+        limit = item["controllers"]["Proposed"]["torque_variation"]
+
+        def cost(label, item=item, limit=limit):
+            run = item["controllers"][label]
+            excess = max(a / b for a, b in zip(run["torque_variation"], limit, strict=True))
+            return max(1.0, excess) ** 2
+
+        for label in item["tuned"]:
+            assert cost(label) <= max(1.01, cost(label.removesuffix(SUFFIX)))
+
+
+@pytest.mark.parametrize("name", PAPER)
+def test_a_reconciled_file_differs_from_the_printed_one_in_its_reading_only(name):
+    printed, found = (load_experiment(name + suffix) for suffix in ("", "_reconciled"))
+    assert found.reference == printed.reference
+    assert (found.period, found.duration, found.plant) == (printed.period, printed.duration, printed.plant)
+    reading = reading_of(name + "_reconciled")
+    for label in ("PPC", "Proposed"):
+        expected = vars(read(printed.build_controllers()[label], reading))
+        for key, value in vars(found.build_controllers()[label]).items():
+            if isinstance(value, (float, np.ndarray)):
+                assert np.allclose(value, expected[key], rtol=1e-12), key
+
+
+def test_the_reading_of_the_files_is_the_one_that_the_search_takes(data):
+    for key, members in SETS.items():
+        assert data["readings"][key]["members"] == list(members)
+        assert data["readings"][key]["taken"]["reading"] == READINGS[key]
+
+
+def outcome(distance, torque=50.0, **changes):
+    base = {axis: options[0] for axis, options in AXES.items()}
+    return (Outcome({**base, **changes}, {}, torque, 1.0, (1.0, 1.0), (distance**2,)),)
+
+
+def test_a_departure_is_taken_only_if_it_halves_the_distance():
+    printed = outcome(math.log(40.0))
+    one = outcome(math.log(10.0), errors="rad")
+    two_good = outcome(math.log(4.9), errors="rad", friction="none")
+    two_poor = outcome(math.log(5.1), errors="rad", friction="none")
+    assert reconciled([printed, one, two_good]) is two_good
+    assert reconciled([printed, one, two_poor]) is one
+
+
+def test_a_reading_that_needs_too_much_torque_is_out():
+    told = [PAPER["baek2016_simulation_smooth"]]
+    good, better = outcome(math.log(5.0), torque=179.0), outcome(math.log(3.0), torque=181.0)
+    assert nearest([good, better], told) == [good]
+
+
+def test_a_reading_with_a_law_that_diverges_is_infinitely_far():
+    assert factor(outcome(math.inf)) == math.inf
+
+
+def test_the_first_reading_is_what_is_printed():
+    first = next(readings(combined=False))
+    law = load_experiment("baek2016_experiment").build_controllers()["Proposed"]
+    same = read(law, first)
+    assert all(np.array_equal(vars(law)[key], vars(same)[key]) for key in ("phi", "alpha", "epsilon", "mbar", "ks"))
+
+
+# Claims can turn ----------------------------------------------------------------------------------------------------
+
+
+def figures(rms, chatter=(1.0, 1.0), late=(1.0, 1.0), times=(0.1, 0.1)):
+    return {
+        "status": "ok",
+        "end_time": 8.0,
+        "rms_deg": list(rms),
+        "torque_variation": list(chatter),
+        "peak_gain_before": [1.0, 1.0],
+        "peak_gain_last_quarter": list(late),
+        "gain_times": list(times),
+    }
+
+
+def verdicts(**changes):
+    runs = {
+        "PPC": figures((0.1001, 0.0539)),
+        "Existing": figures((0.0707, 0.0406), chatter=(2.0, 2.0), times=(1.0, 1.0)),
+        "Proposed": figures((0.0432, 0.0357)),
+        **changes,
+    }
+    return {key: item["verdict"] for key, item in judge(runs, (0.9, 0.99), PAPER["baek2016_experiment"]).items()}
+
+
+def test_the_papers_own_numbers_hold():
+    assert set(verdicts().values()) == {"holds", "not applicable"}  # the norm is not printed for the robot
+
+
+@pytest.mark.parametrize(
+    ("claim", "run"),
+    [
+        ("ordering of the schemes: PPC last", figures((0.0432, 0.06))),
+        ("ordering of the schemes: proposed first", figures((0.0432, 0.05))),
+        ("size of the improvement over PPC", figures((0.01, 0.001))),
+        ("size of the improvement over the existing law", figures((0.08, 0.09))),
+        ("less chatter", figures((0.0432, 0.0357), chatter=(1.0, 3.0))),
+        ("bounded gains", figures((0.0432, 0.0357), late=(1.0, 9.0))),
+        ("bounded gains", {**figures((0.0432, 0.0357)), "status": "diverged"}),
+        ("fast adaptation", figures((0.0432, 0.0357), times=(2.0, None))),
+    ],
+)
+def test_a_claim_is_broken_by_figures_that_break_it(claim, run):
+    assert verdicts(Proposed=run)[claim] != "holds"
+
+
+def test_a_law_that_diverged_is_behind_every_other():
+    gone = {**figures((None, None)), "status": "diverged", "torque_variation": [None, None]}
+    assert verdicts(Existing=gone)["ordering of the schemes: PPC last"] == "does not hold"
+    assert verdicts(Existing=gone)["ordering of the schemes: proposed first"] == "holds"
+    assert verdicts(Proposed=gone)["ordering of the schemes: proposed first"] == "does not hold"
+    assert verdicts(Proposed=gone)["less chatter"] == "does not hold"
+
+
+# Bounds -------------------------------------------------------------------------------------------------------------
+
+
+def test_the_needed_gain_breaks_away_within_the_error_and_a_smaller_one_does_not():
+    t = np.arange(0.0, 2.0, 1e-3)
+    pace = (0.5 * t**2, t, np.ones_like(t))
+    gain = needed_gain(pace, 100.0, 0.01, 1e-3, 0.01)
+    assert break_away(*pace, 100.0, 0.01, 1e-3, gain, gain) <= 0.01
+    assert break_away(*pace, 100.0, 0.01, 1e-3, 0.99 * gain, 0.99 * gain) > 0.01
+
+
+def test_a_stuck_joint_breaks_away_where_the_torque_has_moved_by_twice_the_friction():
+    # q̈_d = 1 from rest, β = k_s → 0: the torque moves by m̄/L per second, so 2F = 5 N·m takes 0.5 s, and e is 1/8 rad.
+    t = np.arange(0.0, 2.0, 1e-3)
+    error = break_away(0.5 * t**2, t, np.ones_like(t), 5.0, 0.01, 1e-3, 1e-9, 1e-9)
+    assert error == pytest.approx(0.125, rel=5e-3)
+
+
+def test_the_printed_gains_cannot_reach_the_printed_error_but_those_of_the_robot_can():
+    smooth, robot = PAPER["baek2016_simulation_smooth"], PAPER["baek2016_experiment"]
+    assert min(limits(load_experiment(smooth.name), smooth)["drift_deg"]) > 100.0 * max(smooth.rms_deg["PPC"])
+    found = limits(load_experiment(robot.name), robot)["drift_deg"]
+    assert found == pytest.approx(robot.rms_deg["PPC"], rel=0.5)
+
+
+# The whole ----------------------------------------------------------------------------------------------------------
+
+
+def test_one_experiment_can_be_reproduced_by_itself(tmp_path, data):
+    name = "baek2016_experiment"
+    shares = []
+    found = reproduce([name], tmp_path / "out", progress=lambda _, share: shares.append(share))
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    assert list(found.data["figures"]) == ["fig10", "fig11", "fig12", "fig13"]
+    assert all(
+        (tmp_path / "out" / "figures" / f"{name}.{kind}").is_file()
+        for name in found.data["figures"]
+        for kind in ("pdf", "png")
+    )
+    assert found.data["experiments"][name]["claims"] == data["experiments"][name]["claims"]
+    assert (tmp_path / "out" / "reproduction.md").read_text(encoding="utf-8") == page(found.data, "figures")
+    json.dumps(found.to_json_dict(), allow_nan=False)
+    assert any("Table III" in line for line in found.lines())
+    with pytest.raises(ResultError, match="--force"):
+        reproduce([name], tmp_path / "out")
+
+
+def test_an_unknown_name_is_told_the_nearest(tmp_path):
+    with pytest.raises(ExperimentError, match="did you mean 'baek2016_experiment'"):
+        reproduce(["baek2016_experimet"], tmp_path)
+    assert not list(tmp_path.iterdir())
