@@ -159,7 +159,7 @@ class CartesianPath:
             q = q + step * min(1.0, _STEP / max(np.abs(step).max(), 1e-300))
         raise ParameterError(
             "points",
-            f"link '{self.link}' does not get to {np.round(position, 4).tolist()} m at t = {time:.4g} s from there "
+            f"link '{self.link}' does not get to {np.round(position, 4).tolist()} m at t = {time:.4g} s "
             f"(left over: {np.abs(apart).max():.2g} m or rad); it is out of reach or beyond a singularity",
         )
 
