@@ -38,11 +38,13 @@ FILES = {
     "summary.parquet",
     "summary.md",
     "summary.tex",
+    "claims.parquet",
+    "monitors.nc",
     "report.html",
     "provenance.json",
     *(
         f"figures/{name}.{kind}"
-        for name in ("reference", "gains_and_s", "torques", "errors")
+        for name in ("reference", "gains_and_s", "torques", "errors", "theorems")
         for kind in ("pdf", "png")
     ),
 }
@@ -169,7 +171,7 @@ def test_the_json_is_what_the_design_promises(done):
 
 def test_lemma_1_is_told_along_the_reference(done):
     comparison, _ = done
-    (line,) = comparison.notes
+    line = comparison.notes[0]
     norm = comparison.lemma1["PPC"]
     mass = comparison.arm.mass_matrix(comparison.dataset.q_ref.to_numpy())
     exact = np.linalg.norm(np.eye(2) - np.linalg.solve(mass, np.diag([0.05, 0.02])), 2, axis=(1, 2))

@@ -34,9 +34,9 @@ class Statement:
 
 
 STATEMENTS: Mapping[str, Statement] = {
-    "lemma1": Statement("Lemma 1, condition", "‖I − M(q)⁻¹M̄‖₂ < 1 along the motion", "1"),
+    "lemma1": Statement("Lemma 1 (condition)", "‖I − M(q)⁻¹M̄‖₂ < 1 along the motion", "1"),
     "contraction": Statement(
-        "Lemma 1, contraction", "‖N‖₂ does not grow from tick to tick (as L → 0 nothing comes in)", "rad/s²"
+        "Lemma 1 (contraction)", "‖N‖₂ does not grow from tick to tick (as L → 0 nothing comes in)", "rad/s²"
     ),
     "lemma2": Statement("Lemma 2", "k̂ᵢ < k̂ᵢ*, with the bound that (12) and (16) give", "rad/s²"),
     "eq16": Statement("(16)", "V̇ ≤ −β‖s‖² while ‖s‖_∞ ≥ ε", "rad²/s³"),

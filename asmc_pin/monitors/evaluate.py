@@ -93,7 +93,9 @@ def _decrease(trial: int, time: Array, found: Lyapunov, law: Baek2016) -> Claim:
     over = np.where(checked, found.excess - found.round_off, -np.inf)
     broken = over > 0.0
     causes = np.argmax(np.stack([np.nan_to_num(found.parts[name]) for name in CAUSES]), axis=0)
-    text = ""
+    seen = text = ""
+    if checked.any() and not broken.any():
+        seen = f"V̇ + β‖s‖² was at most {np.max(found.excess[checked]):.3g} rad²/s³ in {int(checked.sum())} periods"
     if broken.any():
         share = percent(float(np.mean(found.crossing[broken])))
         worst = int(np.argmax(over))
@@ -102,7 +104,7 @@ def _decrease(trial: int, time: Array, found: Lyapunov, law: Baek2016) -> Claim:
             f"at worst {found.excess[worst] / found.decay[worst]:.3g} times β‖s‖²"
         )
     never = f"‖s‖_∞ never reached ε = {law.epsilon:g}"
-    return judge("eq16", trial, time, over, checked, causes, "", never, text)
+    return judge("eq16", trial, time, over, checked, causes, seen, never, text)
 
 
 def _entry(trial: int, time: Array, found: Lyapunov, law: Baek2016) -> Claim:

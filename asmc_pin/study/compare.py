@@ -22,13 +22,14 @@ from asmc_pin.experiment import Experiment
 from asmc_pin.plant import Plant
 from asmc_pin.report.figures import draw_figures
 from asmc_pin.report.latex import latex_table
-from asmc_pin.report.tables import markdown_table, metric_tables_markdown
 from asmc_pin.rollout import Rollout, rollout
 from asmc_pin.study.comparison import Comparison, summary_rows
 from asmc_pin.study.notes import after_the_run, before_the_run, lemma1_along
 from asmc_pin.study.provenance import provenance
 from asmc_pin.study.refine import Refinement, refinement
-from asmc_pin.study.tool import add_tool_error, tool_table
+from asmc_pin.study.summary import summary_markdown
+from asmc_pin.study.theorems import judge_theorems
+from asmc_pin.study.tool import add_tool_error
 from asmc_pin.tool_error import ToolError, tool_error
 
 Progress = Callable[[str, float], None]
@@ -105,6 +106,7 @@ def compare(
         ),
         warnings=tuple(warnings),
         lemma1=lemma1,
+        theorems=judge_theorems(plant, runs, laws, shown),
         refinement=refined,
         tool=_tool_errors(experiment, arm, runs),
     )
@@ -203,6 +205,7 @@ def _write(
     (folder / "summary.tex").write_text(latex_table(rows), encoding="utf-8")
     tell("figures", _SIMULATION + 0.03)
     draw_figures(comparison.dataset, folder / "figures", np.asarray(plant.effort_limit))
+    comparison.theorems.write(folder)
     tell("report", _SIMULATION + 0.12)
     _write_provenance(experiment, arm, folder, started, seconds)
     report_html(results.load_result(folder), folder / "report.html")
@@ -217,30 +220,3 @@ def _write_provenance(
     path.unlink(missing_ok=True)
     text = json.dumps(provenance(experiment, arm, started, seconds, folder), indent=2, ensure_ascii=False)
     path.write_text(text + "\n", encoding="utf-8")
-
-
-def summary_markdown(comparison: Comparison) -> str:
-    """The text of ``summary.md``."""
-    experiment, arm = comparison.experiment, comparison.arm
-    table = comparison.overview()
-    lines = [
-        f"# {experiment.name}",
-        "",
-        f"{arm.name}, {arm.nv} joints, {experiment.duration:g} s, control period {1e3 * experiment.period:g} ms.",
-        "",
-        *(f"- {line}" for line in comparison.notes),
-        *(f"- Warning: {line}" for line in comparison.warnings),
-        *(f"- URDF: {line}" for line in arm.warnings),
-        "",
-        f"## {table.title}, worst error and chatter",
-        "",
-        markdown_table(table),
-        "",
-        "Worst error: the largest of all joints. Chatter: torque variation per second, summed over the joints. "
-        "Bold: the smallest figure of a joint. Dash: not defined.",
-        "",
-        metric_tables_markdown(comparison.rows),
-    ]
-    for extra in (tool_table(comparison.tool), comparison.refinement and comparison.refinement.table()):
-        lines += ["", f"## {extra.title}", "", markdown_table(extra), ""] if extra else []
-    return "\n".join(lines)

@@ -17,9 +17,11 @@ from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS, evaluate
 from asmc_pin.references import SolvedPath
 from asmc_pin.report.tables import Table, overview
+from asmc_pin.report.theorems import theorem_lines
 from asmc_pin.rollout import Rollout
 from asmc_pin.study.notes import Lemma1Range, lemma1_lines
 from asmc_pin.study.refine import Refinement
+from asmc_pin.study.theorems import Theorems
 from asmc_pin.study.tool import tool_figures
 from asmc_pin.tool_error import ToolError
 
@@ -36,6 +38,7 @@ class Comparison:
         dataset: Trajectories; dimensions controller, trial, time, joint; units as attributes.
         warnings: What a user ought to be told, in plain words.
         lemma1: Range of ‖I − M⁻¹M̄‖₂ along the reference, for each label whose law has an M̄.
+        theorems: The paper's claims, held against the runs.
         refinement: How far the metrics move with half the step, if that was asked for.
         tool: Error of the tool frame by label, if the experiment names one.
     """
@@ -47,6 +50,7 @@ class Comparison:
     dataset: xr.Dataset
     warnings: tuple[str, ...]
     lemma1: Mapping[str, Lemma1Range]
+    theorems: Theorems
     refinement: Refinement | None = None
     tool: Mapping[str, ToolError] = field(default_factory=dict)
 
@@ -55,7 +59,7 @@ class Comparison:
         """What is worth knowing and is no warning."""
         reference = self.experiment.build_reference()
         solved = [str(reference)] if isinstance(reference, SolvedPath) else []
-        return lemma1_lines(self.lemma1) + solved
+        return lemma1_lines(self.lemma1) + theorem_lines(self.theorems.claims) + solved
 
     def overview(self) -> Table:
         """The table that a person reads first."""
@@ -86,6 +90,7 @@ class Comparison:
             if label in self.lemma1:
                 item = self.lemma1[label]
                 figures["lemma1_along_reference"] = [item.lower, item.upper]
+            figures["theorems"] = self.theorems.of_first_trial(str(rows.controller.iloc[0]))
             if label in self.tool:
                 figures["tool"] = tool_figures(self.tool[label])
             if self.refinement is not None:

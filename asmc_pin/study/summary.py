@@ -1,0 +1,37 @@
+"""The text of ``summary.md``."""
+
+from __future__ import annotations
+
+from asmc_pin.report.tables import markdown_table, metric_tables_markdown
+from asmc_pin.report.theorems import theorems_markdown
+from asmc_pin.study.comparison import Comparison
+from asmc_pin.study.tool import tool_table
+
+
+def summary_markdown(comparison: Comparison) -> str:
+    """The text of ``summary.md``."""
+    experiment, arm = comparison.experiment, comparison.arm
+    table = comparison.overview()
+    lines = [
+        f"# {experiment.name}",
+        "",
+        f"{arm.name}, {arm.nv} joints, {experiment.duration:g} s, control period {1e3 * experiment.period:g} ms.",
+        "",
+        *(f"- {line}" for line in comparison.notes),
+        *(f"- Warning: {line}" for line in comparison.warnings),
+        *(f"- URDF: {line}" for line in arm.warnings),
+        "",
+        f"## {table.title}, worst error and chatter",
+        "",
+        markdown_table(table),
+        "",
+        "Worst error: the largest of all joints. Chatter: torque variation per second, summed over the joints. "
+        "Bold: the smallest figure of a joint. Dash: not defined.",
+        "",
+        metric_tables_markdown(comparison.rows),
+        "",
+        theorems_markdown(comparison.theorems.claims),
+    ]
+    for extra in (tool_table(comparison.tool), comparison.refinement and comparison.refinement.table()):
+        lines += ["", f"## {extra.title}", "", markdown_table(extra), ""] if extra else []
+    return "\n".join(lines)

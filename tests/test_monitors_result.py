@@ -1,0 +1,138 @@
+"""What a comparison says of the theorems: the same verdicts in tables, files, pages and JSON, with their reasons."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from asmc_pin.experiment import Experiment
+from asmc_pin.monitors import STATEMENTS, claim_rows, monitor
+from asmc_pin.report.theorem_figures import draw_theorems, theorem_figure
+from asmc_pin.report.theorems import reasons, theorem_lines, theorem_table, theorems_markdown
+from asmc_pin.results import load_result
+from asmc_pin.rollout import rollout
+from asmc_pin.study import Comparison, compare
+
+EXPERIMENT: dict[str, Any] = {
+    "name": "theorems",
+    "arm": "two_link",
+    "period": 0.002,
+    "duration": 0.4,
+    "plant": {"friction": {"coulomb": [2.0, 0.5]}, "effort_limit": [60.0, 15.0]},
+    "reference": {"kind": "multisine", "offset": [-1.2, 0.3], "amplitude": [0.4, 0.6], "frequency": [0.5, 0.7]},
+    "defaults": {"mbar": [0.04, 0.03], "ks": 8.0, "beta": 8.0},
+    "controllers": {
+        "PPC": {"law": "ppc"},
+        "Proposed": {"law": "baek2016", "phi": 400.0, "alpha": 0.05, "epsilon": 0.01},
+        "CT": {"law": "computed_torque"},
+    },
+}
+
+
+@pytest.fixture(scope="module")
+def comparison(tmp_path_factory: pytest.TempPathFactory) -> Comparison:
+    return compare(Experiment.from_dict(EXPERIMENT), out=tmp_path_factory.mktemp("theorems") / "out")
+
+
+def test_the_verdicts_are_those_of_the_monitors_on_the_same_run(comparison: Comparison) -> None:
+    experiment = Experiment.from_dict(EXPERIMENT)
+    plant, law = experiment.build_plant(), experiment.build_controllers()["Proposed"]
+    run = rollout(plant, law, experiment.build_reference(), experiment.duration)
+    expected = claim_rows({"Proposed": monitor(run, plant, law)})
+    found = comparison.theorems.claims
+    pd.testing.assert_frame_equal(found[found.controller == "Proposed"].reset_index(drop=True), expected)
+
+
+def test_what_lies_on_disk_is_what_was_found(comparison: Comparison) -> None:
+    result = load_result(comparison.out)
+    assert result.claims is not None
+    assert result.monitors is not None
+    pd.testing.assert_frame_equal(result.claims, comparison.theorems.claims)
+    assert np.array_equal(result.monitors.tde_error, comparison.theorems.dataset.tde_error, equal_nan=True)
+    assert list(result.monitors.controller.to_numpy()) == list(result.dataset.controller.to_numpy())
+    for name in ("monitors.nc", "claims.parquet"):
+        (comparison.out / name).rename(comparison.out / f"{name}.away")
+    try:
+        older = load_result(comparison.out)  # a result made before there were monitors
+        assert older.claims is None
+        assert older.monitors is None
+    finally:
+        for name in ("monitors.nc", "claims.parquet"):
+            (comparison.out / f"{name}.away").rename(comparison.out / name)
+
+
+def test_json_has_each_claim_of_each_controller(comparison: Comparison) -> None:
+    controllers = json.loads(json.dumps(comparison.to_json_dict(), allow_nan=False))["controllers"]
+    for figures in controllers.values():
+        assert set(figures["theorems"]) == set(STATEMENTS)
+    proposed = controllers["Proposed"]["theorems"]
+    assert proposed["lemma1"] == {
+        "status": "held",
+        "checked": 201,
+        "broken": 0,
+        "first_time": None,
+        "worst_time": None,
+        "amount": None,
+        "unit": "1",
+        "causes": {},
+        "reason": proposed["lemma1"]["reason"],
+    }
+    assert {item["status"] for item in controllers["CT"]["theorems"].values()} == {"not applicable"}
+    assert "no M̄" in controllers["CT"]["theorems"]["eq16"]["reason"]
+
+
+def test_tables_pages_and_notes_give_every_verdict_with_its_reason(comparison: Comparison) -> None:
+    claims = comparison.theorems.claims
+    table = theorem_table(claims)
+    assert table.header == ["claim", "PPC", "Proposed", "CT (knows the model)"]
+    assert [row[0].partition(":")[0] for row in table.rows] == [item.title for item in STATEMENTS.values()]
+    assert table.rows[3][1] == table.rows[3][3] == "not applicable"
+    assert table.rows[3][2].split()[0] in ("held", "broken")
+    summary = (comparison.out / "summary.md").read_text(encoding="utf-8")
+    assert theorems_markdown(claims) in summary
+    page = (comparison.out / "report.html").read_text(encoding="utf-8")
+    for _, lines in reasons(claims):
+        for line in lines:
+            assert line in summary
+            assert line.replace("'", "&#x27;").replace("<", "&lt;") in page
+    (line,) = theorem_lines(claims)  # of PPC and CT there is nothing to say in a line
+    assert line.startswith("theorems on Proposed: ")
+    assert line in comparison.notes
+    assert all(item.title in line for item in STATEMENTS.values())
+
+
+def test_trials_are_summed_up_by_the_worst_of_them(comparison: Comparison) -> None:
+    one = comparison.theorems.claims.query("controller == 'Proposed' and claim == 'eq21'").iloc[0].to_dict()
+    held = {**one, "status": "held", "broken": 0, "checked": 100}
+    broken = {**held, "trial": 1, "status": "broken", "broken": 50, "first_time": 0.25, "amount": 0.5, "drive": 50}
+    worse = {**broken, "trial": 2, "first_time": 0.5, "amount": 2.0, "saturation": 50, "drive": 0, "reason": "late"}
+    rows = pd.DataFrame([held, broken, worse])
+    cell = theorem_table(rows).rows[list(STATEMENTS).index("eq21")][1]
+    assert cell == ("broken at 0.250 s, by up to 2.00 rad/s, 33 % of the ticks (saturation, drive); 2 of 3 trials")
+
+
+def test_the_figure_shows_all_five_and_only_where_there_is_something(comparison: Comparison, tmp_path: Any) -> None:
+    dataset = comparison.theorems.dataset
+    labels = [axis.get_ylabel() for axis in theorem_figure(dataset.isel(trial=0)).axes]
+    for part in ("Lemma 1", "TDE error", "bound dotted", "dot{V}", "bound (21)"):
+        assert sum(part in label for label in labels) == 1
+    figure = theorem_figure(dataset.isel(trial=0))
+    norm = figure.axes[0]
+    lines = [line for line in norm.get_lines() if line.get_linestyle() == "-"]
+    assert len(lines) == 2  # PPC and the proposed law; computed torque has no M̄
+    shown = np.asarray(lines[0].get_ydata(), dtype=float)
+    assert shown == pytest.approx(dataset.lemma1_norm.to_numpy()[0, 0])
+    baseline = dataset.sel(controller=["CT (knows the model)"])
+    assert draw_theorems(baseline, tmp_path) is None
+    assert not list(tmp_path.iterdir())
+    assert draw_theorems(dataset, tmp_path) == tmp_path / "theorems.png"
+
+
+def test_arrays_of_a_law_without_mbar_are_not_defined(comparison: Comparison) -> None:
+    one = comparison.theorems.dataset.sel(controller="CT (knows the model)")
+    for name in ("tde_error", "lemma1_norm", "lyapunov", "s_bound", "gain_bound"):
+        assert not np.isfinite(one[name]).any()
