@@ -1,4 +1,4 @@
-"""Friction against independent solvers: Pinocchio's joint-friction constraints, and MuJoCo's frictionloss in its limit."""
+"""Friction against independent solvers: Pinocchio's constraints of joint friction, and the limit of MuJoCo's."""
 
 from __future__ import annotations
 
