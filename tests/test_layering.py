@@ -22,12 +22,12 @@ MAY_IMPORT: dict[str, set[str]] = {
     "resources": set(),
     "arms": {"resources"},
     "controllers": set(),
-    "agreement": {"arms"},
     "baselines": {"arms", "controllers"},  # laws that may know the arm, to compare with
     "references": {"arms", "controllers"},
     "condition": {"arms", "controllers", "references"},
     "plant": {"arms", "controllers.base", "controllers.parameters", "controllers.tde.sliding_variable"},
     "rollout": {"arms", "controllers", "references", "plant"},
+    "agreement": {"arms", "controllers", "plant", "rollout"},
     "metrics": {"rollout"},
     "tool_error": {"arms", "rollout"},
     "monitors": {"arms", "controllers", "condition", "plant", "rollout"},

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.agreement.engine import Twin, import_mujoco
+from asmc_pin.agreement.playback import Nowhere, Playback
 from asmc_pin.agreement.report import TOLERANCE, AgreementReport
 from asmc_pin.arms import Arm
 from asmc_pin.errors import NotComparableError, ParameterError
+from asmc_pin.plant import Friction, Plant
+from asmc_pin.rollout import rollout
 
 SPEED = 2.0
 """Joint velocities are drawn from ±2 rad/s (m/s), or from within the declared limit where that is less."""
@@ -25,9 +27,10 @@ def agree(
 ) -> AgreementReport:
     """Compare an arm with MuJoCo, which reads the same URDF text.
 
-    M(q) and C(q, q̇)q̇ + g(q) are compared at random configurations of the joint box; motions are compared under the same
-    torques without friction, both sides integrated by the classical Runge-Kutta scheme with the same step, so that only
-    the dynamics differ. Payload, armature, gravity and locks of the arm are set in MuJoCo too; limits are off.
+    M(q) and C(q, q̇)q̇ + g(q) are compared at random configurations of the joint box; motions of our plant and of MuJoCo
+    under the same torques without friction, both integrated by the classical Runge-Kutta scheme with the same step, so
+    that only the dynamics differ. Payload, armature, gravity and locks of the arm are set in MuJoCo too; limits are
+    off.
 
     Args:
         arm: The arm; its meshes are not needed.
@@ -129,38 +132,37 @@ def _compare_motion(
     rate, phase = generator.uniform(5.0, 30.0, (runs, arm.nv)), generator.uniform(0.0, 6.0, (runs, arm.nv))
     wave = np.sin(rate * (step * np.arange(steps))[:, None, None] + phase)
     torque = arm.gravity(q) + PUSH * diagonal * wave  # (steps, runs, nv)
-    ours = _run(arm.forward_dynamics, q, v, torque, step)
+    ours = _run(arm, q, v, torque, step)
     theirs = np.stack([twin.run(q[i], v[i], torque[:, i], step)[0] for i in range(runs)], axis=1)
     travel = np.maximum(np.abs(ours - q).max(axis=0), 1e-3)
     return _worst(np.abs(ours - theirs).max(axis=0) / travel, q, v)
 
 
-def _run(acceleration: Callable[[Array, Array, Array], Array], q: Array, v: Array, torque: Array, h: float) -> Array:
-    """Classical Runge-Kutta steps of q̈ = a(q, q̇, τ), as MuJoCo does them.
+def _run(arm: Arm, q: Array, v: Array, torque: Array, step: float) -> Array:
+    """Motion of the plant without friction, limits and drives.
 
     Args:
-        acceleration: a.
+        arm: The arm.
         q: Start, shape (runs, nv).
         v: Start, shape (runs, nv).
         torque: Shape (steps, runs, nv), held over each step.
-        h: Step, s.
+        step: s.
 
     Returns:
         q after each step, shape (steps, runs, nv).
     """
-    path = np.empty_like(torque)
-    for k, applied in enumerate(torque):
-        a1 = acceleration(q, v, applied)
-        v2 = v + 0.5 * h * a1
-        a2 = acceleration(q + 0.5 * h * v, v2, applied)
-        v3 = v + 0.5 * h * a2
-        a3 = acceleration(q + 0.5 * h * v2, v3, applied)
-        v4 = v + h * a3
-        a4 = acceleration(q + h * v3, v4, applied)
-        q = q + h / 6.0 * (v + 2.0 * v2 + 2.0 * v3 + v4)
-        v = v + h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
-        path[k] = q
-    return path
+    free = Plant(
+        arm,
+        substeps=1,
+        integrator="rk4",
+        friction=Friction(),
+        effort_limit=np.inf,
+        speed_bound=np.inf,
+        error_bound=np.inf,
+    )
+    law = Playback(torque, step)
+    run = rollout(free, law, Nowhere(arm.nv), len(torque) * step, batch=len(q), q0=q, v0=v)
+    return run.q[:, 1:].swapaxes(0, 1)
 
 
 def _report(

@@ -67,7 +67,9 @@ class Twin:
             except ValueError as error:
                 reason = " ".join(str(error).split())
                 raise NotComparableError(arm.source, f"{self.engine} refuses {arm.name}: {reason}") from None
-            notes.append(f"links without a mass or rotational inertia get {LEAST_INERTIA:g} (kg, kg·m²) in {self.engine}")
+            notes.append(
+                f"links without a mass or rotational inertia get {LEAST_INERTIA:g} (kg, kg·m²) in {self.engine}"
+            )
         if self._model.nv != arm.nv:
             raise NotComparableError(
                 arm.source, f"{self.engine} gives {arm.name} {self._model.nv} joints, not {arm.nv}"
