@@ -2,10 +2,12 @@
 
     python benchmarks/rollout.py [--batches 1 16 256] [--threads 1] [--repeats 7]
 
-The rollout is a UR5 under the proposed law, with Coulomb and viscous friction in every joint and two substeps per
-control period of 1 ms: law, torque limits, check for divergence, dynamics, mass matrix, friction solver, integration
-and log. The baseline calls Pinocchio alone, on arrays made beforehand, as often as the rollout does. Both are timed in
-turn in one process, and of each the best repeat counts: the one that other programs disturbed least.
+The rollout is a UR5 under the proposed law with two substeps per control period of 1 ms: law, torque limits, check for
+divergence, dynamics, mass matrix, friction solver, integration and log. "friction" has Coulomb and viscous friction in
+every joint and ideal drives and sensors; "full" has a Stribeck curve too, drives with delay, current loop and speed
+limits, and encoders with noise, a filter and a delay. The baseline calls Pinocchio alone, on arrays made beforehand, as
+often as the rollout does. Both are timed in turn in one process, and of each the best repeat counts: the one that other
+programs disturbed least.
 """
 
 from __future__ import annotations
@@ -19,13 +21,23 @@ import pinocchio as pin
 
 from asmc_pin import Plant, Rollout, load_arm, rollout
 from asmc_pin.controllers import Baek2016
-from asmc_pin.plant import Friction
+from asmc_pin.plant import Drive, Friction, Sensor
 from asmc_pin.references import Multisine
 
 PERIOD = 1e-3  # s
 SUBSTEPS = 2
 ARM = load_arm("ur5", payload=2.0, armature=[0.5, 0.5, 0.3, 0.05, 0.05, 0.05])
 FRICTION = Friction(coulomb=[8.0, 8.0, 5.0, 2.0, 2.0, 1.0], viscous=[1.0, 1.0, 1.0, 0.2, 0.2, 0.1])
+PLANTS = {
+    "friction": {"friction": FRICTION},
+    "full": {
+        "friction": Friction(FRICTION.coulomb, FRICTION.viscous, breakaway=1.4 * FRICTION.coulomb),
+        "drive": Drive(delay=0.6, current_hz=400.0, velocity_limit=4.0, corner_speed=3.5, no_load_speed=5.0),
+        "sensor": Sensor(
+            bits=20, position_noise=1e-7, velocity="filter", filter_hz=200.0, torque_noise=0.01, delay=0.25
+        ),
+    },
+}
 LAW = Baek2016(
     mbar=[0.6228, 0.8771, 0.6488, 0.2616, 0.2080, 0.0198],
     ks=8.0,
@@ -53,6 +65,21 @@ def bare_dynamics(run: Rollout, calls: int, threads: int) -> float:
     return perf_counter() - start
 
 
+def measure(plant: Plant, batch: int, threads: int, repeats: int) -> tuple[float, float]:
+    """Microseconds per step of a rollout, and of the bare dynamics."""
+    duration = 0.8 if batch < 64 else 0.25
+    threads = max(1, min(threads, batch // 8))
+    taken, bare = [], []
+    for _ in range(repeats):
+        start = perf_counter()
+        run = rollout(plant, LAW, REFERENCE, duration, batch=batch)
+        taken.append(perf_counter() - start)
+        assert set(run.status) == {"ok"}
+        steps = SUBSTEPS * len(run.time)
+        bare.append(bare_dynamics(run, steps, threads))
+    return 1e6 * min(taken) / steps, 1e6 * min(bare) / steps
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--batches", type=int, nargs="+", default=[1, 16, 256])
@@ -60,27 +87,19 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=7)
     options = parser.parse_args()
 
-    plant = Plant(ARM, substeps=SUBSTEPS, friction=FRICTION, threads=options.threads)
-    rollout(plant, LAW, REFERENCE, 0.05, batch=2)  # compile, or load from the cache
-    print(
-        f"UR5, friction, {SUBSTEPS} substeps of {PERIOD / SUBSTEPS * 1e3:g} ms, {options.threads} thread(s);", end=" "
-    )
+    plants = {name: Plant(ARM, substeps=SUBSTEPS, threads=options.threads, **parts) for name, parts in PLANTS.items()}
+    for plant in plants.values():
+        rollout(plant, LAW, REFERENCE, 0.05, batch=2)  # compile, or load from the cache
+    print(f"UR5, {SUBSTEPS} substeps of {PERIOD / SUBSTEPS * 1e3:g} ms, {options.threads} thread(s);", end=" ")
     print(f"pin {pin.__version__}, numpy {np.__version__}, Python {platform.python_version()}, {platform.machine()}")
     print("Baseline: the same number of bare pin.abaInParallel calls, in the same run. Best of", options.repeats)
-    print(f"{'batch':>6} {'rollout, µs/step':>17} {'baseline, µs/step':>18} {'ratio':>6} {'µs/step/trial':>14}")
-    for batch in options.batches:
-        duration = 0.8 if batch < 64 else 0.25
-        threads = max(1, min(options.threads, batch // 8))
-        taken, bare = [], []
-        for _ in range(options.repeats):
-            start = perf_counter()
-            run = rollout(plant, LAW, REFERENCE, duration, batch=batch)
-            taken.append(perf_counter() - start)
-            assert set(run.status) == {"ok"}
-            steps = SUBSTEPS * len(run.time)
-            bare.append(bare_dynamics(run, steps, threads))
-        step, base = 1e6 * min(taken) / steps, 1e6 * min(bare) / steps
-        print(f"{batch:>6} {step:>17.1f} {base:>18.1f} {step / base:>6.2f} {step / batch:>14.2f}")
+    print(
+        f"{'plant':>9} {'batch':>6} {'rollout, µs/step':>17} {'baseline, µs/step':>18} {'ratio':>6} {'µs/step/trial':>14}"
+    )
+    for name, plant in plants.items():
+        for batch in options.batches:
+            step, base = measure(plant, batch, options.threads, options.repeats)
+            print(f"{name:>9} {batch:>6} {step:>17.1f} {base:>18.1f} {step / base:>6.2f} {step / batch:>14.2f}")
 
 
 if __name__ == "__main__":
