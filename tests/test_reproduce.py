@@ -76,17 +76,19 @@ def test_both_untuned_and_tuned_rows_are_shown_for_every_law_with_gains(data):
         assert set(item["controllers"]) == {*plain, *(label + SUFFIX for label in plain if label != "PPC")}
 
 
-def test_tuning_kept_its_limit_of_chatter_or_left_no_more_excess_than_before(data):
+def test_a_tuned_row_is_better_than_its_untuned_one_by_the_stated_objective(data):
     for item in data["experiments"].values():
+        if item["window"] is not None:
+            continue  # the table is over a part of the run that was tuned
         limit = item["controllers"]["Proposed"]["torque_variation"]
 
-        def cost(label, item=item, limit=limit):
+        def objective(label, item=item, limit=limit):
             run = item["controllers"][label]
             excess = max(a / b for a, b in zip(run["torque_variation"], limit, strict=True))
-            return max(1.0, excess) ** 2
+            return math.sqrt(math.prod(run["rms_deg"])) * max(1.0, excess) ** 2
 
         for label in item["tuned"]:
-            assert cost(label) <= max(1.01, cost(label.removesuffix(SUFFIX)))
+            assert objective(label) < objective(label.removesuffix(SUFFIX))
 
 
 @pytest.mark.parametrize("name", PAPER)

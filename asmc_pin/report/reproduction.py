@@ -11,9 +11,10 @@ from asmc_pin.report.tables import Table, markdown_table, number
 
 _TUNED = " tuned"
 _STATEMENTS = {
-    "ordering of the schemes": "PPC has the largest RMS error and the proposed law the smallest, at both joints.",
-    "size of the improvement": "The proposed law divides the error of PPC by 1.3 to 3.2, that of the existing law by "
-    "1.1 to 1.8.",
+    "ordering of the schemes: PPC last": "PPC has the largest RMS error of all schemes, at both joints.",
+    "ordering of the schemes: proposed first": "The proposed law has the smallest, at both joints.",
+    "size of the improvement over PPC": "The proposed law divides the error of PPC by 1.3 to 3.2.",
+    "size of the improvement over the existing law": "It divides that of the existing adaptive law by 1.1 to 1.8.",
     "bounded gains": "The adaptive gains stay bounded (Lemma 2).",
     "less chatter": "The proposed law chatters less than the existing one.",
     "fast adaptation": "The proposed gains rise fast when they are needed, and fall fast when they are not.",
