@@ -1,0 +1,7 @@
+"""Proofs of a condition over a joint box: `certify`. The algorithm and why it is sound: docs/certificate.md."""
+
+from asmc_pin.condition.certificate.certify import certify
+from asmc_pin.condition.certificate.result import CertificateResult
+from asmc_pin.condition.certificate.strategy import Progress
+
+__all__ = ["CertificateResult", "Progress", "certify"]

@@ -1,0 +1,126 @@
+"""What a proof came to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from asmc_pin._typing import Array
+from asmc_pin.condition.certificate.problem import Statement
+from asmc_pin.condition.certificate.walk import Record
+from asmc_pin.condition.lemma1 import FORMULAS, Condition
+
+if TYPE_CHECKING:
+    from asmc_pin.condition.variants import Case
+
+Verdict = Literal["holds", "violated", "undecided"]
+
+
+@dataclass(frozen=True, eq=False)
+class Proof:
+    """A proven statement: its box, halved as the record says, is positive in every leaf."""
+
+    statement: Statement
+    record: Record
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CertificateResult:
+    """What is proven and what is refuted about M̄ over a joint box.
+
+    Attributes:
+        arm: Name of the arm.
+        joints: Its moving joints, base first.
+        mbar: Diagonal of M̄, shape (nv,), kg·m².
+        condition: ``lemma1`` or ``weighted``.
+        level: γ of the verdict; 1 is the condition itself.
+        verdict: ``holds``: proven for M̄ itself. ``violated``: `worst_q` is a counter-example. ``undecided``: neither.
+        lower: Largest norm seen, at `worst_q`.
+        upper: Proven bound of the norm; 1 where just the condition is proven, None where nothing is.
+        scale_proven: The condition is proven for M̄ times this, and for every smaller factor; 0 if for none.
+        scale_refuted: A counter-example was found for M̄ times this.
+        worst_q: Configuration of `lower`, shape (nv,), rad (m where prismatic).
+        worst_armature: Armature there, shape (nv,), kg·m².
+        worst_case: Which payload end or locked joint it belongs to; empty without ranges.
+        refuted_q: Configuration of `scale_refuted`, shape (nv,).
+        boxes: Leaves of the proof of `scale_proven` (of `upper` with a level).
+        tests: Boxes tested on the way.
+        seconds: Wall time.
+        history: (seconds since the beginning, scale proven by then), increasing.
+        reason: Why it stopped where it did, in words.
+        notes: What a reader has to know.
+        cases: The arms that the statement speaks of.
+        proofs: What `save` writes.
+    """
+
+    arm: str
+    joints: tuple[str, ...]
+    mbar: Array
+    condition: Condition
+    level: float
+    verdict: Verdict
+    lower: float
+    upper: float | None
+    scale_proven: float
+    scale_refuted: float
+    worst_q: Array
+    worst_armature: Array
+    worst_case: str
+    refuted_q: Array
+    boxes: int
+    tests: int
+    seconds: float
+    history: tuple[tuple[float, float], ...]
+    reason: str
+    notes: tuple[str, ...]
+    cases: tuple[Case, ...] = field(repr=False)
+    proofs: tuple[Proof, ...] = field(repr=False)
+
+    @property
+    def gap(self) -> float:
+        """Relative distance of the two scales, (refuted − proven) / refuted; 1 where nothing is proven."""
+        return (self.scale_refuted - self.scale_proven) / self.scale_refuted if self.scale_refuted > 0.0 else 1.0
+
+    @property
+    def formula(self) -> str:
+        """The condition as an inequality."""
+        return (
+            FORMULAS[self.condition]
+            if self.level == 1.0
+            else FORMULAS[self.condition].replace("< 1", f"< {self.level:g}", 1)
+        )
+
+    def save(self, path: str | Path) -> Path:
+        """Write the proofs to a file that ``asmc-pin check`` replays.
+
+        Args:
+            path: The file; an existing one is replaced.
+
+        Returns:
+            The path.
+
+        Raises:
+            ResultError: Nothing is proven, or the file cannot be written.
+        """
+        from asmc_pin.condition.certificate.file import write
+
+        return write(self, path)
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The figures, in the names of ``asmc-pin verify --json --certify``; undefined ones are None."""
+        return {
+            "arm": self.arm,
+            "joints": list(self.joints),
+            "mbar": self.mbar.tolist(),
+            "condition": self.condition,
+            "verdict": self.verdict,
+            "kind": "certified",
+            "lower": self.lower,
+            "upper": self.upper,
+            "worst_q": self.worst_q.tolist(),
+            "configurations": self.tests,
+            "seconds": self.seconds,
+            "scale_proven": self.scale_proven,
+            "scale_refuted": self.scale_refuted,
+        }

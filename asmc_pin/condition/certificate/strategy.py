@@ -1,0 +1,207 @@
+"""In which order to try scales and levels, so that there is something to say whenever the time is up."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from asmc_pin._typing import Array
+from asmc_pin.condition.along import armature_ends
+from asmc_pin.condition.certificate.problem import Kind, Statement, problem_of
+from asmc_pin.condition.certificate.refute import Worst
+from asmc_pin.condition.certificate.result import Proof
+from asmc_pin.condition.certificate.walk import UNKNOWN, Record, prove
+from asmc_pin.condition.lemma1 import Condition
+
+if TYPE_CHECKING:
+    from asmc_pin.condition.variants import Case
+
+Outcome = Literal["proven", "blocked", "slow", "stopped"]
+
+_CORNERS = 8
+"""Ends of an armature range that a level of Lemma 1 is proven at one by one; more are bounded together."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a certificate is.
+
+    Attributes:
+        proven: Scale proven.
+        refuted: Scale refuted.
+        trying: What is being tried now, in words.
+        volume: Share of the box that is proven of that.
+        tests: Boxes tested so far.
+        seconds: Since the beginning.
+    """
+
+    proven: float
+    refuted: float
+    trying: str
+    volume: float
+    tests: int
+    seconds: float
+
+
+class Prover:
+    """Raises the scale and lowers the level that are proven; its fields are right at any moment.
+
+    Attributes:
+        scale: Scale proven so far, 0 for none.
+        level: Level proven so far for M̄ itself, None for none.
+        proofs: Proofs of `scale`, and of `level`.
+        history: (seconds, scale) at each advance.
+        tests: Boxes tested.
+        worst: What is refuted.
+        reason: Why it stopped.
+    """
+
+    def __init__(
+        self,
+        cases: Sequence[Case],
+        mbar: Array,
+        condition: Condition,
+        worst: Worst,
+        *,
+        began: float,
+        budget: float,
+        threads: int,
+        progress: Callable[[Progress], None] | None,
+    ) -> None:
+        self._cases, self._mbar, self._condition, self.worst = cases, mbar, condition, worst
+        self.began, self.deadline, self._threads, self.progress = began, began + budget, threads, progress
+        self._hints: dict[tuple[Kind, int, bytes], Record] = {}
+        self.scale = 0.0
+        self.level: float | None = None
+        self.proofs: dict[str, tuple[Proof, ...]] = {}
+        self.history: list[tuple[float, float]] = []
+        self.tests = 0
+        self.reason = ""
+
+    def raise_scale(self, gap: float) -> None:
+        """Prove the condition for larger and larger factors of M̄, until the gap is met and M̄ itself is decided."""
+        ceiling, too_small, patient = np.inf, False, False
+        while True:
+            refuted = self.worst.scale
+            if refuted <= 0.0:
+                self.reason = "no positive multiple of M̄ satisfies Lemma 1"
+                return
+            goal = refuted * (1.0 - gap)
+            if self.scale >= goal:
+                if not self.scale < 1.0 < refuted:
+                    self.reason = "the gap is met"
+                    return
+                goal = 1.0
+            if self.scale == 0.0:
+                # Something to say, soon; less if even half is too much.
+                trying = 0.5 * min(ceiling, refuted)
+            elif goal < ceiling:
+                trying = goal
+            else:
+                trying = refuted - float(np.sqrt((refuted - self.scale) * max(refuted - ceiling, 0.0)))
+                if self.scale < 1.0 < trying:
+                    trying = 1.0
+            near = (refuted - self.scale) < 1.15 * (refuted - ceiling) or trying < 1e-3 * refuted
+            if near and too_small:
+                self.reason = "cells got too small to go on"
+                return
+            if near:
+                ceiling, patient = np.inf, True
+                continue
+            outcome = self._attempt(self._scale_statements(trying), f"scale {trying:.4g}", patient)
+            if outcome == "proven":
+                self.scale = trying
+                self.history.append((time.monotonic() - self.began, trying))
+            elif outcome == "stopped":
+                self.reason = "out of time"
+                return
+            elif outcome == "slow" or self.worst.scale >= refuted:
+                ceiling, too_small = trying, outcome == "blocked"
+
+    def lower_level(self, seconds: float, goal: float | None = None) -> None:
+        """Prove lower and lower levels of M̄ itself; with a goal only that one."""
+        self.deadline = min(self.deadline, time.monotonic() + seconds)
+        for share in (0.5, 0.2, 0.05) if goal is None else (0.0,):
+            level = goal if goal is not None else 1.0 - (1.0 - self.worst.norm) * (1.0 - share)
+            if not self.worst.norm < level < 1.0:
+                return
+            outcome = self._attempt(self._level_statements(level), f"level {level:.6g}", goal is not None, "level")
+            if outcome == "proven":
+                self.level = level
+            elif outcome != "slow":
+                self.reason = self.reason or ("out of time" if outcome == "stopped" else "cells got too small to go on")
+                return
+
+    def _scale_statements(self, scale: float) -> list[Statement]:
+        # Both conditions only gain by armature: its lower end covers the range.
+        kind: Kind = "weighted" if self._condition == "weighted" else "lemma1"
+        return [
+            Statement(kind, scale, 1.0, index, case.domain.armature_lower, np.zeros_like(self._mbar))
+            for index, case in enumerate(self._cases)
+        ]
+
+    def _level_statements(self, level: float) -> list[Statement]:
+        found = []
+        for index, case in enumerate(self._cases):
+            lower, upper = case.domain.armature_lower, case.domain.armature_upper
+            none, width = np.zeros_like(lower), upper - lower
+            if self._condition == "weighted":
+                found.append(Statement("weighted", 1.0, level, index, lower, none))
+                found.append(Statement("bounded", 1.0, level, index, lower, width))
+            elif 2 ** np.count_nonzero(width) <= _CORNERS:
+                found += [Statement("level", 1.0, level, index, end, none) for end in armature_ends(lower, upper)]
+            else:
+                found.append(Statement("level", 1.0, level, index, lower, width))
+        return found
+
+    def _attempt(self, statements: list[Statement], label: str, patient: bool, key: str = "scale") -> Outcome:
+        """Prove all of some statements, or say why not; where one is not positive, search on from there."""
+        proofs = []
+        for number, statement in enumerate(statements):
+            watch = _Watch(self, label, patient, number, len(statements))
+            domain = self._cases[statement.case].domain
+            name = statement.kind, statement.case, statement.armature.tobytes()
+            walk = prove(
+                problem_of(domain.arm.tree, domain.box.lower, domain.box.upper, self._mbar, statement),
+                hint=self._hints.get(name, UNKNOWN),
+                deadline=self.deadline,
+                threads=self._threads,
+                watch=watch,
+            )
+            self.tests += walk.tests
+            if walk.status == "stopped":
+                return "slow" if watch.slow else "stopped"
+            if walk.q is not None:
+                self.worst.climb(statement.case, walk.q, statement.armature)
+                return "blocked"
+            self._hints[name] = walk.record
+            proofs.append(Proof(statement, walk.record))
+        self.proofs[key] = tuple(proofs)
+        return "proven"
+
+
+class _Watch:
+    """Looks at a walk now and then: tells the caller, and stops what will not be done in time."""
+
+    def __init__(self, prover: Prover, label: str, patient: bool, number: int, statements: int) -> None:
+        self._prover, self._label, self._patient = prover, label, patient
+        self._number, self._statements = number, statements
+        self._began = time.monotonic()
+        self._remaining = prover.deadline - self._began
+        self._tests = prover.tests
+        self.slow = False
+
+    def __call__(self, tests: int, volume: float) -> bool:
+        prover, now = self._prover, time.monotonic()
+        if prover.progress is not None:
+            done = (self._number + volume) / self._statements
+            seconds = now - prover.began
+            prover.progress(Progress(prover.scale, prover.worst.scale, self._label, done, self._tests + tests, seconds))
+        spent = now - self._began
+        late = spent * (1.0 - volume) > 1.5 * volume * (self._remaining - spent)
+        self.slow = not self._patient and late and spent > 0.15 * self._remaining
+        return self.slow
