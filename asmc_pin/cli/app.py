@@ -16,11 +16,13 @@ from asmc_pin.errors import AsmcPinError
 app = typer.Typer(
     name="asmc-pin",
     help="Is this M̄ allowed, which controller is better, what does it look like: TDE control of an arm from its URDF.",
-    no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+INTERRUPTED = 130
+"""Exit status after Ctrl-C."""
 
 
 def _print_version(value: bool) -> None:
@@ -53,11 +55,13 @@ def main(argv: Sequence[str] | None = None) -> None:
     except AsmcPinError as error:
         _fail(str(error))
     except KeyboardInterrupt:
-        _fail("interrupted; nothing half-written was left behind", 130)
+        status = INTERRUPTED
     except BrokenPipeError:
         # The reader (head, less) has left: not an error of ours, and nothing more can be said to it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)
+    except MemoryError as error:
+        _fail(f"out of memory: {error or 'the run is too large'}; shorten it, or take fewer samples or trials")
     except OSError as error:
         _fail(f"{error.strerror or error}{f': {error.filename}' if error.filename else ''}")
     except Exception as error:
@@ -66,10 +70,9 @@ def main(argv: Sequence[str] | None = None) -> None:
             raise
         context = getattr(error, "ctx", None)
         hint = f" (see '{context.command_path} --help')" if context is not None else ""
-        message = error.format_message()
-        if not message:  # no_args_is_help: typer has printed the help already
-            sys.exit(2)
-        _fail(f"{message.rstrip('.')}{hint}")
+        _fail(f"{error.format_message().rstrip('.')}{hint}")
+    if status == INTERRUPTED:  # typer makes of Ctrl-C a status, and says nothing
+        _fail("interrupted; nothing half-written was left behind", INTERRUPTED)
     sys.exit(status if isinstance(status, int) else 0)
 
 

@@ -54,6 +54,7 @@ def reproduce(
         str, typer.Option(metavar="DIR", help="Folder of the page and the results.")
     ] = "results/reproduction",
     force: Annotated[bool, typer.Option("--force", help="Replace results that are there already.")] = False,
+    search: Annotated[bool, typer.Option("--search/--no-search", help="Try other readings of units and gains.")] = True,
     tune: Annotated[bool, typer.Option("--tune", help="Tune the laws anew first (long).")] = False,
     docs: Annotated[str | None, typer.Option(metavar="DIR", help="Write the page into this folder as well.")] = None,
     as_json: JsonOption = False,
@@ -62,7 +63,7 @@ def reproduce(
     from asmc_pin.study.reproduce import reproduce as run
 
     with progress_bar() as progress:
-        done = run(names, out, force=force, tune=tune, docs=docs, progress=progress)
+        done = run(names, out, force=force, search=search, tune=tune, docs=docs, progress=progress)
     if as_json:
         print_json(done.to_json_dict())
     else:

@@ -111,6 +111,10 @@ def print_comparison(comparison: Comparison) -> None:
     header = [escape(name) for name in overview.header]  # "[deg]" is a unit here and no markup
     title = escape(overview.title)
     table = Table(*header, title=title, title_justify="left", box=None, pad_edge=False, collapse_padding=True)
+    # Where the terminal is narrow, headings are broken at their spaces; a scheme or a figure is never cut.
+    for column, head, *cells in zip(table.columns, overview.header, *overview.rows, strict=True):
+        column.min_width = max(map(len, [*head.split(), *cells]))
+    console.width = max(console.width, sum(column.min_width or 0 for column in table.columns) + len(overview.header))
     for column in table.columns[1:]:
         column.justify = "right"
     for row in overview.rows:

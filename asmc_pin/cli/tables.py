@@ -47,6 +47,8 @@ def _print(title: str, table: Rows, as_json: bool, leave_out: tuple[str, ...] = 
     from rich.text import Text
 
     view = Table(*header, title=None, box=None, pad_edge=False)
+    for column in view.columns:
+        column.overflow = "fold"  # an equation may be broken, never cut
     for row in rows:
         view.add_row(*map(Text, row))  # plain: a unit in square brackets is no markup
     Console(soft_wrap=False).print(view)
