@@ -11,8 +11,9 @@ import pytest
 
 from asmc_pin.baselines import MARK, ComputedTorque
 from asmc_pin.errors import ExperimentError
-from asmc_pin.experiment import Experiment
+from asmc_pin.experiment import Experiment, load_experiment
 from asmc_pin.results import load_result
+from asmc_pin.rollout import rollout
 from asmc_pin.study import Comparison, compare
 
 EXPERIMENT: dict[str, Any] = {
@@ -99,6 +100,19 @@ def test_a_law_of_ones_own_may_ask_for_the_model_and_is_marked(tmp_path: Path) -
     assert list(result.dataset.controller.to_numpy()) == [f"X ({MARK})"]
     q, torque = (result.dataset[name].to_numpy()[0, 0] for name in ("q", "torque"))
     assert torque == pytest.approx(result.arm.gravity(q), rel=1e-12)
+
+
+def test_the_shipped_experiment_shows_what_a_model_is_worth() -> None:
+    experiment = load_experiment("ur5_with_a_model").replace(duration=2.0)
+    plant, motion = experiment.build_plant(), experiment.build_reference()
+    rms = {}
+    for label, law in experiment.build_controllers().items():
+        run = rollout(plant, law, motion, experiment.duration)
+        rms[label] = np.sqrt(np.mean((run.q_ref - run.q[0]) ** 2))
+    exact = rms.pop("CT, friction too")
+    assert exact < min(rms.values())
+    # Without knowing the model the TDE laws do far better than a model without friction, or 20 % off.
+    assert max(rms["PPC"], rms["Proposed"]) < 0.1 * min(rms["CT"], rms["CT, 20 % light"])
 
 
 @pytest.mark.parametrize(
