@@ -93,9 +93,8 @@ def main() -> None:
     print(f"UR5, {SUBSTEPS} substeps of {PERIOD / SUBSTEPS * 1e3:g} ms, {options.threads} thread(s);", end=" ")
     print(f"pin {pin.__version__}, numpy {np.__version__}, Python {platform.python_version()}, {platform.machine()}")
     print("Baseline: the same number of bare pin.abaInParallel calls, in the same run. Best of", options.repeats)
-    print(
-        f"{'plant':>9} {'batch':>6} {'rollout, µs/step':>17} {'baseline, µs/step':>18} {'ratio':>6} {'µs/step/trial':>14}"
-    )
+    header = ("plant", "batch", "rollout, µs/step", "baseline, µs/step", "ratio", "µs/step/trial")
+    print("{:>9} {:>6} {:>17} {:>18} {:>6} {:>14}".format(*header))
     for name, plant in plants.items():
         for batch in options.batches:
             step, base = measure(plant, batch, options.threads, options.repeats)

@@ -157,7 +157,7 @@ def test_every_scattered_arm_is_a_possible_one(case):
 
 def test_scatter_has_its_size_and_nothing_else_changes():
     arm = load_arm("ur5", payload=2.0, armature=0.1)
-    arms = Spread(mass=0.1, com=0.01).arms([arm], 3, range(100))
+    arms = Spread(mass=0.1, com=0.01).arms([arm], 3, range(60))
     bare = arm.replace(payload=None)
     factor = np.array(
         [
@@ -167,7 +167,7 @@ def test_scatter_has_its_size_and_nothing_else_changes():
     )
     assert np.log(factor).std() == pytest.approx(0.1, rel=0.1)
     shift = np.array([v.replace(payload=None).model.inertias[2].lever - bare.model.inertias[2].lever for v in arms])
-    assert shift.std() == pytest.approx(0.01, rel=0.1)
+    assert shift.std() == pytest.approx(0.01, rel=0.2)
     assert all(v.payload.mass == 2.0 and np.all(v.armature == 0.1) for v in arms)
     np.testing.assert_array_equal(arms[0].tree.mass[:5], [body.mass for body in list(arms[0].model.inertias)[1:6]])
 

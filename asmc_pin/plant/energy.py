@@ -79,13 +79,40 @@ def energy_balance(plant: Plant, run: Rollout, trials: tuple[int, ...] | None = 
         trials: Numbers of its trials, if they were not 0, 1, …; they matter where parameters scatter.
     """
     plant = plant.for_trials(range(len(run.status)) if trials is None else trials)
-    batch, ticks, _ = run.q.shape
+    batch = len(run.status)
     moved = np.diff(run.q, axis=1)
 
     def work(torque: Array) -> Array:
         done = np.sum(torque[:, :-1] * moved, axis=2)
         return np.concatenate([np.zeros((batch, 1)), np.cumsum(done, axis=1)], axis=1)
 
+    energy, added = _stored(plant, run)
+    return EnergyBalance(
+        stored=energy - energy[:, :1],
+        supplied=work(run.torque),
+        external=work(run.external_torque),
+        dissipated=-work(run.friction_torque),
+        added=added,
+    )
+
+
+def stored_energy(plant: Plant, run: Rollout, trials: tuple[int, ...] | None = None) -> Array:
+    """Kinetic and potential energy of a run, with what the arm carries at the time, and of its end stops.
+
+    Args:
+        plant: The plant that it ran on.
+        run: What happened.
+        trials: Numbers of its trials, if they were not 0, 1, ….
+
+    Returns:
+        Shape (batch, T), J; NaN after a divergence.
+    """
+    return _stored(plant.for_trials(range(len(run.status)) if trials is None else trials), run)[0]
+
+
+def _stored(plant: Plant, run: Rollout) -> tuple[Array, Array]:
+    """Stored energy, and what came with payloads since t = 0, each (batch, T), J."""
+    batch, ticks, _ = run.q.shape
     energy, added = np.empty((batch, ticks)), np.zeros((batch, ticks))
     changes = sorted({round(change.time / run.period) for change in plant.payload_changes} - {0})
     begins = [0, *(k for k in changes if k < ticks)]
@@ -99,10 +126,4 @@ def energy_balance(plant: Plant, run: Rollout, trials: tuple[int, ...] | None = 
             energy[trial, span] = part
     if plant.end_stops is not None:
         energy = energy + StopForces(plant.end_stops, plant.arm.lower, plant.arm.upper).energy(run.q)
-    return EnergyBalance(
-        stored=energy - energy[:, :1],
-        supplied=work(run.torque),
-        external=work(run.external_torque),
-        dissipated=-work(run.friction_torque),
-        added=added,
-    )
+    return energy, added
