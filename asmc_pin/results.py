@@ -209,8 +209,14 @@ def whole_or_not_at_all(path: Path, force: bool) -> Iterator[Path]:
         ResultError: see `check_target`.
     """
     check_target(path, force)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    made = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".new", dir=path.parent))
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        made = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".new", dir=path.parent))
+    except OSError as error:
+        # Not the system's own words alone: they name a folder that nobody asked for.
+        raise ResultError(
+            path, f"{path} cannot be written: {error.strerror}; give another folder with --out"
+        ) from error
     try:
         yield made
         made.chmod(0o777 & ~_umask())

@@ -163,7 +163,7 @@ FAULTS = {
     "Gazebo": ("<sdf version='1.7'/>", ["a Gazebo model (SDF)"]),
     "xacro, undeclared prefix": (
         '<robot name="r"><xacro:include filename="x"/></robot>',
-        ["xacro arm.urdf > arm.urdf"],
+        ["xacro arm.urdf > arm_expanded.urdf"],  # onto itself, the shell would empty it first,
     ),
     "xacro": (
         '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="m" params=""/></robot>',

@@ -2,12 +2,16 @@
 
 import json
 import re
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from short_experiment import SHORT
 
 from asmc_pin.cli import main
+from asmc_pin.cli.study import print_comparison
+from asmc_pin.report.tables import Table
 
 UR5 = (
     "0.14832641607830951,0.16745534835366926,0.15042781767398009,"
@@ -88,6 +92,7 @@ def test_along_the_shipped_smooth_reference_the_norm_is_the_papers(asmc_pin):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
+        ([], "Missing command"),
         (["verify"], "ARM"),
         (["verify", "ur55", "--mbar", "1"], "did you mean 'ur5'"),
         (["verify", "ur5", "--mbar", "1,2"], "6"),
@@ -103,6 +108,7 @@ def test_along_the_shipped_smooth_reference_the_norm_is_the_papers(asmc_pin):
         (["verify", "ur5", "--mbar", "1", "--along", "nowhere"], "nowhere"),
         (["verify", "ur5", "--mbar", "1", "--frobnicate"], "--frobnicate"),
         (["compare", "nowhere"], "demo"),
+        (["compare", "demo", "--out", "/proc/nowhere"], "/proc/nowhere cannot be written"),
         (["view", "nowhere"], "nowhere"),
         (["report", "nowhere"], "nowhere"),
         (["frobnicate"], "frobnicate"),
@@ -117,6 +123,42 @@ def test_bad_input_is_one_message_and_status_2(asmc_pin, arguments, says, tmp_pa
     assert says in err
     assert "Traceback" not in err
     assert err.startswith("asmc-pin: ")
+
+
+@pytest.mark.parametrize(
+    ("raised", "status", "says"),
+    [(KeyboardInterrupt(), 130, "interrupted"), (MemoryError("7 PiB"), 2, "out of memory: 7 PiB")],
+)
+def test_what_ends_a_run_from_outside_is_one_message_too(asmc_pin, monkeypatch, raised, status, says):
+    def fail(*_args, **_kwargs):
+        raise raised
+
+    monkeypatch.setattr("asmc_pin.condition.verify", fail)
+    given, out, err = asmc_pin("verify", "ur5", "--mbar", "0.1")
+    assert (given, out) == (status, "")
+    assert err.startswith(f"asmc-pin: {says}")
+    assert err.count("\n") == 1
+
+
+def test_no_equation_in_the_list_of_laws_is_cut(asmc_pin, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    status, out, err = asmc_pin("controllers")
+    assert status == 0, err
+    assert "…" not in out
+
+
+@pytest.mark.parametrize("columns", [40, 80])
+def test_no_scheme_and_no_figure_of_seven_joints_is_cut(capsys, monkeypatch, columns):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    header = ["scheme", *(f"joint{i}" for i in range(1, 8)), "worst error [deg]", "chatter [N·m/s]"]
+    rows = [[label, *["0.00123"] * 7, "0.0123", "123"] for label in ("Existing", "Proposed")]
+    table = Table("RMS tracking error [deg]", header, rows)
+    print_comparison(SimpleNamespace(overview=lambda: table, notes=(), out=Path("results/x")))
+    lines = capsys.readouterr().out.splitlines()
+    for label in ("Existing", "Proposed"):
+        (line,) = (line for line in lines if line.startswith(label))
+        assert line.split() == [label, *["0.00123"] * 7, "0.0123", "123"]
+        assert len(line) <= 80
 
 
 def test_compare_says_who_diverged_and_still_ends_well(asmc_pin, experiment):

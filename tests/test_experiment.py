@@ -311,6 +311,7 @@ def test_a_law_of_ones_own_takes_its_own_parameters_and_those_shared_ones_that_i
             "controllers.Mine.stifness: unknown parameter of law 'my_law:MyLaw': did you mean 'stiffness'?",
         ),
         ({"law": "my_law:MyLow"}, "has no class 'MyLow'; did you mean 'MyLaw'?"),
+        ({"law": "json:Law"}, "has no class 'Law'; nor any other class with a method 'step'"),
         ({"law": "my_law:NoLaw"}, "'my_law:NoLaw' is no control law: it has no method init and no step"),
         ({"law": "my_lav:MyLaw"}, "there is no module 'my_lav'; looked for my_lav.py in"),
         ({"law": "my_law:"}, "controllers.Mine.law: 'my_law:' is not of the form 'my_module:MyLaw'"),
@@ -318,6 +319,17 @@ def test_a_law_of_ones_own_takes_its_own_parameters_and_those_shared_ones_that_i
 )
 def test_mistakes_about_a_law_of_ones_own_are_named(own, table, expected):
     assert expected in message_of(own_data(**table), folder=own)
+
+
+def test_a_folder_that_was_searched_is_named_once(own, monkeypatch):
+    monkeypatch.chdir(own)
+    assert message_of(own_data(law="my_lav:MyLaw"), folder=own).count(str(own)) == 1
+
+
+def test_a_run_that_no_memory_holds_is_refused_before_it_starts():
+    message = message_of(changed("duration", 1e12))
+    assert "duration: 1e+12 s are" in message
+    assert "at most 1e+07" in message
 
 
 def test_a_law_of_ones_own_whose_module_fails_says_why(tmp_path):

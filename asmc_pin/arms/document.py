@@ -132,6 +132,8 @@ def read_document(path: Path) -> Document:
         root, problem = None, str(error)
     if _is_xacro(path, data, root):
         stem = path.name.removesuffix(".xacro").removesuffix(".urdf")
+        if path.name == f"{stem}.urdf":  # the shell empties the target before xacro reads it
+            stem += "_expanded"
         raise ArmError(
             path,
             f"{path}: this is a xacro file, a template for a URDF. Expand it first: xacro {path.name} > {stem}.urdf "

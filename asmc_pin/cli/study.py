@@ -108,13 +108,20 @@ def print_comparison(comparison: Comparison) -> None:
 
     console = Console(highlight=False)
     overview = comparison.overview()
-    header = [escape(name) for name in overview.header]  # "[deg]" is a unit here and no markup
-    title = escape(overview.title)
-    table = Table(*header, title=title, title_justify="left", box=None, pad_edge=False, collapse_padding=True)
+    header = list(overview.header)
+    columns = list(zip(*overview.rows, strict=True))
+
+    def width() -> int:
+        cells = ([*head.split("\n"), *column] for head, column in zip(header, columns, strict=True))
+        return sum(max(map(len, column)) + 1 for column in cells)
+
     # Where the terminal is narrow, headings are broken at their spaces; a scheme or a figure is never cut.
-    for column, head, *cells in zip(table.columns, overview.header, *overview.rows, strict=True):
-        column.min_width = max(map(len, [*head.split(), *cells]))
-    console.width = max(console.width, sum(column.min_width or 0 for column in table.columns) + len(overview.header))
+    if width() > console.width:
+        header = [head.replace(" ", "\n") for head in header]
+        console.width = max(console.width, width())
+    title = escape(overview.title)  # "[deg]" is a unit here and no markup
+    names = map(escape, header)
+    table = Table(*names, title=title, title_justify="left", box=None, pad_edge=False, collapse_padding=True)
     for column in table.columns[1:]:
         column.justify = "right"
     for row in overview.rows:

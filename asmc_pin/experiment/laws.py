@@ -45,8 +45,9 @@ def load_law(law: str, folder: Path, key: str = "law") -> type:
     found = getattr(module, class_name, None)
     if not isinstance(found, type):
         classes = [name for name, item in vars(module).items() if isinstance(item, type) and hasattr(item, "step")]
+        hint = nearest(class_name, classes) if classes else "nor any other class with a method 'step'"
         raise ExperimentError(
-            key, f"{module.__file__ or module_name} has no class '{class_name}'; {nearest(class_name, classes)}"
+            key, f"{getattr(module, '__file__', None) or module_name} has no class '{class_name}'; {hint}"
         )
     absent = [name for name in ("init", "step") if not callable(getattr(found, name, None))]
     if absent:
@@ -64,10 +65,10 @@ def _import(name: str, folder: Path, key: str) -> ModuleType:
             return importlib.import_module(name)
         except ModuleNotFoundError as error:
             if error.name is not None and name.startswith(error.name):
+                places = " and ".join(dict.fromkeys(map(str, (folder.resolve(), Path.cwd()))))
                 raise ExperimentError(
                     key,
-                    f"there is no module '{error.name}'; looked for {top}.py in {folder.resolve()} and {Path.cwd()}, "
-                    "then in PYTHONPATH",
+                    f"there is no module '{error.name}'; looked for {top}.py in {places}, then in PYTHONPATH",
                 ) from error
             raise ExperimentError(key, f"the module '{name}' cannot be imported: {error}") from error
         except Exception as error:

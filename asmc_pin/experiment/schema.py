@@ -10,7 +10,19 @@ import math
 from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationInfo,
+    WithJsonSchema,
+    field_validator,
+)
+
+MOST_TICKS = 10_000_000
+"""Longest run in control ticks: almost three hours at 1 ms, some gigabytes of trajectories for each controller."""
 
 _NUMBERS_SCHEMA = {
     "anyOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}, "minItems": 1}],
@@ -217,3 +229,14 @@ class ExperimentTables(Table):
     controllers: Annotated[dict[str, dict[str, Any]], AfterValidator(_printable)] = Field(
         min_length=1, description="[controllers.LABEL]: law, and its parameters"
     )
+
+    @field_validator("duration")
+    @classmethod
+    def _fits_memory(cls, duration: float, info: ValidationInfo) -> float:
+        period = info.data.get("period")
+        if period is not None and duration > MOST_TICKS * period:
+            raise ValueError(
+                f"{duration:g} s are {duration / period:.3g} control periods of {period:g} s, and a run keeps all of "
+                f"them in memory: at most {MOST_TICKS:g}; shorten the duration, or lengthen the period"
+            )
+        return duration
