@@ -21,7 +21,7 @@ from asmc_pin.errors import ResultError
 from asmc_pin.metrics import METRICS
 from asmc_pin.report.fragments import definition_list, definitions, details, table_html
 from asmc_pin.report.tables import MAIN, Table, metric_table, number, overview, per_joint
-from asmc_pin.report.theorems import INTRODUCTION, TITLE, reasons, theorem_table
+from asmc_pin.report.theorem_page import theorem_section
 from asmc_pin.results import Result
 from asmc_pin.viewer import controller_colors, player_scripts, replay_fragment, static, write_page
 from asmc_pin.viewer.page import POLICY
@@ -64,7 +64,7 @@ def report_text(result: Result) -> str:
         "the reference; <em>Errors</em> magnifies the differences from it.</p>",
         *_tables(result),
         *_figures(result),
-        *_theorems(result),
+        *([] if result.claims is None else theorem_section(result.claims, controller_colors(_label_list(result)))),
         *_conditions(result),
         '<h2 id="metrics">How the figures are defined</h2>',
         '<p class="soft">Computed from the recorded trajectories, for each joint; e = q<sub>d</sub> − q. A law that '
@@ -172,16 +172,6 @@ def _figures(result: Result) -> Iterator[str]:
             f'<figure><div class="paper"><img alt="{escape(caption)}" src="data:image/png;base64,{data}"></div>'
             f"<figcaption>{escape(caption)}</figcaption></figure>"
         )
-
-
-def _theorems(result: Result) -> Iterator[str]:
-    if result.claims is None:
-        return
-    yield f'<h2 id="theorems">{escape(TITLE)}</h2><p class="soft">{escape(INTRODUCTION)}</p>'
-    yield f'<div class="scroll" tabindex="0">{table_html(theorem_table(result.claims), {})}</div>'
-    for label, lines in reasons(result.claims):
-        items = "".join(f"<li>{escape(line)}</li>" for line in lines)
-        yield details(f"{label}: what was seen, and why", f'<ul class="body">{items}</ul>')
 
 
 def _conditions(result: Result) -> Iterator[str]:

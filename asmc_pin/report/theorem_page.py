@@ -1,0 +1,42 @@
+"""The theorems' section of a report page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from html import escape
+
+import pandas as pd
+
+from asmc_pin.monitors import STATEMENTS
+from asmc_pin.report.fragments import definition_list, details
+from asmc_pin.report.theorems import INTRODUCTION, TITLE, reasons, theorem_table
+
+
+def theorem_section(claims: pd.DataFrame, colours: Mapping[str, str]) -> Iterator[str]:
+    """The verdicts, a row for each controller, then what each claim says and why it held or not.
+
+    Args:
+        claims: See `asmc_pin.monitors.claim_rows`.
+        colours: Colour of each controller, shown beside its name.
+    """
+    table = theorem_table(claims)
+    yield f'<h2 id="theorems">{escape(TITLE)}</h2><p class="soft">{escape(INTRODUCTION)}</p>'
+    head = "".join(f'<th scope="col">{escape(item.title)}</th>' for item in STATEMENTS.values())
+    rows = []
+    for i, label in enumerate(table.header[1:], start=1):
+        chip = f'<span class="chip" style="--colour:{colours[label]}"></span>' if label in colours else ""
+        cells = "".join(_cell(row[i]) for row in table.rows)
+        rows.append(f'<tr><th scope="row">{chip}{escape(label)}</th>{cells}</tr>')
+    body = f"<thead><tr><th></th>{head}</tr></thead><tbody>{''.join(rows)}</tbody>"
+    yield f'<div class="scroll" tabindex="0"><table class="claims">{body}</table></div>'
+    texts = definition_list([(item.title, item.text) for item in STATEMENTS.values()])
+    yield details("What each claim says", f'<div class="body">{texts}</div>')
+    for label, lines in reasons(claims):
+        items = "".join(f"<li>{escape(line)}</li>" for line in lines)
+        yield details(f"{label}: what was seen, and why", f'<ul class="body">{items}</ul>')
+
+
+def _cell(text: str) -> str:
+    verdict = text.partition(" ")[0] if text.startswith(("broken", "held")) else text
+    kind = {"held": "held", "broken": "over"}.get(verdict, "soft")
+    return f'<td class="{kind}"><b>{escape(verdict)}</b>{escape(text.removeprefix(verdict))}</td>'
