@@ -16,6 +16,7 @@ from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
 from asmc_pin.plant import Friction, Plant
+from asmc_pin.plant.energy import mechanical_energy
 from asmc_pin.rollout import rollout
 from asmc_pin.study import compare
 from asmc_pin.tool_error import tool_error
@@ -63,6 +64,18 @@ def test_the_trajectories_carry_the_tools_error(refined):
     assert dataset.tool_error_position.attrs["units"] == "m"
     rms = float(np.sqrt(np.mean(dataset.tool_error_position.sel(controller="PPC").to_numpy() ** 2)))
     assert rms * 1e3 == pytest.approx(refined.to_json_dict()["controllers"]["PPC"]["tool"]["rms_position_mm"])
+
+
+def test_the_trajectories_carry_what_was_measured_and_the_energy(refined, tmp_path):
+    dataset = refined.dataset
+    noise = (dataset.q_measured - dataset.q).to_numpy()
+    assert noise.std() == pytest.approx(1e-6, rel=0.1)
+    np.testing.assert_allclose(noise[0], noise[1], atol=1e-15, err_msg="the same noise for every law")
+    state = (dataset[name].sel(controller="PPC", trial=0).to_numpy() for name in ("q", "v"))
+    np.testing.assert_allclose(dataset.energy.sel(controller="PPC", trial=0), mechanical_energy(refined.arm, *state))
+    plain = compare(experiment(), out=tmp_path / "plain").dataset
+    assert "q_measured" not in plain
+    assert "external_torque" not in plain
 
 
 def test_a_step_that_is_too_long_is_told_and_a_short_one_is_not(tmp_path):

@@ -27,6 +27,7 @@ from asmc_pin.study.comparison import Comparison, summary_rows
 from asmc_pin.study.notes import after_the_run, before_the_run, lemma1_along
 from asmc_pin.study.provenance import provenance
 from asmc_pin.study.refine import Refinement, refinement
+from asmc_pin.study.signals import add_signals
 from asmc_pin.study.summary import summary_markdown
 from asmc_pin.study.theorems import judge_theorems
 from asmc_pin.study.tool import add_tool_error
@@ -110,6 +111,7 @@ def compare(
         refinement=refined,
         tool=_tool_errors(experiment, arm, runs),
     )
+    add_signals(comparison.dataset, plant, list(runs.values()))
     add_tool_error(comparison.dataset, list(comparison.tool.values()))
     # For who reads the result back: the report, and a person with the trajectories alone.
     comparison.dataset.attrs |= {"warnings": "\n".join(warnings), "notes": "\n".join(comparison.notes)}
