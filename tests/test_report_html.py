@@ -115,7 +115,8 @@ def test_whatever_comes_from_a_file_is_text(result: Result, text: Text) -> None:
 
 def test_nothing_is_fetched(text: Text) -> None:
     assert all(address.startswith("data:") for address in text.addresses)
-    assert sum(address.startswith("data:image/png") for address in text.addresses) == 5, "the paper's kinds of figures, and the theorems"
+    figures = sum(address.startswith("data:image/png") for address in text.addresses)
+    assert figures == 5, "the paper's four kinds, and the theorems"
 
 
 def test_times_and_versions_do_not_reach_it(result: Result) -> None:
