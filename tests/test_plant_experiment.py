@@ -2,13 +2,29 @@
 
 from __future__ import annotations
 
+import inspect
+import re
+import tomllib
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment import Experiment, experiment_schema
 from asmc_pin.experiment.schema import FrictionTable, PlantTable
-from asmc_pin.plant import INTEGRATORS, Friction, Plant
+from asmc_pin.plant import (
+    INTEGRATORS,
+    Disturbance,
+    Drive,
+    EndStops,
+    Friction,
+    PayloadChange,
+    Plant,
+    Sensor,
+    Spread,
+)
+from asmc_pin.rollout import rollout
 
 PLANT = {
     "substeps": 4,
@@ -101,3 +117,32 @@ def test_the_schemes_of_the_file_are_those_that_are_registered():
     parts = {"drive", "sensor", "end_stops", "spread", "disturbances", "payload_changes"}
     assert parts <= set(PlantTable.model_fields)
     assert parts <= set(Plant.__dataclass_fields__)
+
+
+DOCS = (Path(__file__).parent.parent / "docs" / "plant.md").read_text(encoding="utf-8")
+
+
+def test_the_example_of_the_docs_builds_and_runs():
+    (example,) = re.findall(r"```toml\n(.*?)```", DOCS, re.DOTALL)
+    start = [0.0, -1.3, 1.6, -1.2, -1.4, 0.0]
+    data = {
+        "name": "docs",
+        "arm": "ur5",
+        "period": 0.002,
+        "duration": 0.02,
+        "reference": {"kind": "quintic", "start": start, "targets": [start], "move": 1.0},
+        "controllers": {"PPC": {"law": "ppc", "mbar": 0.1, "ks": 5.0, "beta": 5.0}},
+        **tomllib.loads(example),
+    }
+    experiment = Experiment.from_dict(data)
+    plant = experiment.build_plant()
+    assert plant.payload_changes
+    assert plant.disturbances
+    run = rollout(plant, experiment.build_controllers()["PPC"], experiment.build_reference(), experiment.duration)
+    assert run.status == ("ok",)
+
+
+@pytest.mark.parametrize("cls", [Drive, Sensor, EndStops, Spread, Disturbance, PayloadChange, Friction])
+def test_every_parameter_of_the_plants_parts_is_documented(cls):
+    for name in inspect.signature(cls).parameters:
+        assert re.search(rf"[`\"]{name}[`\"]", DOCS), f"{cls.__name__}.{name} is not explained in docs/plant.md"
