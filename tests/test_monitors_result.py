@@ -12,7 +12,7 @@ import pytest
 from asmc_pin.experiment import Experiment
 from asmc_pin.monitors import STATEMENTS, claim_rows, monitor
 from asmc_pin.report.theorem_figures import draw_theorems, theorem_figure
-from asmc_pin.report.theorems import reasons, theorem_lines, theorem_table, theorems_markdown
+from asmc_pin.report.theorems import reasons, theorem_lines, theorem_table, theorems_latex, theorems_markdown
 from asmc_pin.results import load_result
 from asmc_pin.rollout import rollout
 from asmc_pin.study import Comparison, compare
@@ -94,6 +94,10 @@ def test_tables_pages_and_notes_give_every_verdict_with_its_reason(comparison: C
     assert table.rows[3][2].split()[0] in ("held", "broken")
     summary = (comparison.out / "summary.md").read_text(encoding="utf-8")
     assert theorems_markdown(claims) in summary
+    latex = (comparison.out / "summary.tex").read_text(encoding="utf-8")
+    assert theorems_latex(claims) in latex
+    assert latex.isascii()
+    assert r"CT (knows the model) & -- & -- & -- & -- & -- & -- \\" in latex
     page = (comparison.out / "report.html").read_text(encoding="utf-8")
     for _, lines in reasons(claims):
         for line in lines:

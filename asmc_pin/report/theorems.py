@@ -5,6 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from asmc_pin.monitors import CAUSES, STATEMENTS
+from asmc_pin.report.latex import escape
 from asmc_pin.report.tables import Table, markdown_table, number
 
 TITLE = "The paper's theorems, held against these runs"
@@ -62,6 +63,46 @@ def reasons(claims: pd.DataFrame) -> list[tuple[str, list[str]]]:
                 lines.setdefault(f"{first.status}{where}: {first.reason}", []).append(STATEMENTS[str(key)].title)
         found.append((str(label), [f"{', '.join(titles)} {text}" for text, titles in lines.items()]))
     return found
+
+
+def theorems_latex(claims: pd.DataFrame) -> str:
+    """A ``table`` environment: a row for each controller, a column for each claim; it needs ``booktabs``.
+
+    A broken claim has the share of the ticks in which it is, where it is judged tick by tick.
+    """
+    lines = [
+        r"\begin{table}[t]",
+        r"  \centering",
+        r"  \caption{The theorems of Baek, Jin and Han (2016), held against the runs.}",
+        r"  \label{tab:theorems}",
+        rf"  \begin{{tabular}}{{l{'l' * len(STATEMENTS)}}}",
+        r"    \toprule",
+        "    Controller & " + " & ".join(_LATEX_TITLES[key] for key in STATEMENTS) + r" \\",
+        r"    \midrule",
+    ]
+    for label, rows in claims.groupby("controller", sort=False):
+        cells = [_latex_cell(rows[rows.claim == key]) for key in STATEMENTS]
+        lines.append("    " + " & ".join([escape(str(label)), *cells]) + r" \\")
+    lines += [r"    \bottomrule", r"  \end{tabular}", r"\end{table}", ""]
+    return "\n".join(lines)
+
+
+_LATEX_TITLES = {
+    "lemma1": r"$\|I - M^{-1}\bar{M}\|_2 < 1$",
+    "contraction": r"$\|N\|_2$ falls",
+    "lemma2": "Lemma 2",
+    "eq16": "(16)",
+    "t_eps": r"$t_\varepsilon$",
+    "eq21": "(21)",
+}
+
+
+def _latex_cell(rows: pd.DataFrame) -> str:
+    broken = rows[rows.status == "broken"]
+    if broken.empty:
+        return " or ".join("--" if status == "not applicable" else str(status) for status in rows.status.unique())
+    share = 100.0 * broken.broken.sum() / max(rows.checked.sum(), 1)
+    return "broken" if rows.checked.max() <= 1 else rf"broken ({number(share, 2)}\,\%)"
 
 
 def theorem_lines(claims: pd.DataFrame) -> list[str]:

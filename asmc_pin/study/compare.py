@@ -22,6 +22,7 @@ from asmc_pin.experiment import Experiment
 from asmc_pin.plant import Plant
 from asmc_pin.report.figures import draw_figures
 from asmc_pin.report.latex import latex_table
+from asmc_pin.report.theorems import theorems_latex
 from asmc_pin.rollout import Rollout, rollout
 from asmc_pin.study.comparison import Comparison, summary_rows
 from asmc_pin.study.notes import after_the_run, before_the_run, lemma1_along
@@ -204,7 +205,8 @@ def _write(
     results.write_trajectories(comparison.dataset.assign_attrs(told), folder / results.TRAJECTORIES)
     results.write_summary(rows, folder / results.SUMMARY)
     (folder / "summary.md").write_text(summary_markdown(comparison), encoding="utf-8")
-    (folder / "summary.tex").write_text(latex_table(rows), encoding="utf-8")
+    latex = "\n".join([latex_table(rows), theorems_latex(comparison.theorems.claims)])
+    (folder / "summary.tex").write_text(latex, encoding="utf-8")
     tell("figures", _SIMULATION + 0.03)
     draw_figures(comparison.dataset, folder / "figures", np.asarray(plant.effort_limit))
     comparison.theorems.write(folder)
