@@ -49,6 +49,7 @@ def test_they_are_in_the_summary_and_in_the_json(refined):
     text = (refined.out / "summary.md").read_text(encoding="utf-8")
     assert "How far the metrics move from 2 to 4 substeps" in text
     assert "Tool-centre error of" in text
+    assert any(line.startswith("half the step moves") and "(Slow)" in line for line in refined.notes)
     printed = json.loads(json.dumps(refined.to_json_dict(), allow_nan=False))
     moves = printed["controllers"]["Slow"]["refinement"]
     assert set(moves) == set(METRICS)

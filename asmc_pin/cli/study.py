@@ -27,6 +27,9 @@ def compare(
     experiment: ExperimentArgument,
     out: Annotated[str | None, typer.Option(metavar="DIR", help="Where to write; results/NAME when omitted.")] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a result that is there already.")] = False,
+    refine: Annotated[
+        bool, typer.Option("--refine", help="Run again with half the step, and say how far each metric moves.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Run every controller of an experiment on the same plant; write trajectories, tables, figures and a report."""
@@ -35,7 +38,7 @@ def compare(
 
     loaded = load_experiment(experiment)
     with progress_bar() as progress:
-        comparison = run(loaded, out=out, force=force, progress=progress, warn=warn)
+        comparison = run(loaded, out=out, force=force, progress=progress, warn=warn, refine=refine)
     if as_json:
         print_json(comparison.to_json_dict())
     else:

@@ -59,7 +59,8 @@ class Comparison:
         """What is worth knowing and is no warning."""
         reference = self.experiment.build_reference()
         solved = [str(reference)] if isinstance(reference, SolvedPath) else []
-        return lemma1_lines(self.lemma1) + theorem_lines(self.theorems.claims) + solved
+        refined = [] if self.refinement is None else self.refinement.notes()
+        return lemma1_lines(self.lemma1) + theorem_lines(self.theorems.claims) + solved + refined
 
     def overview(self) -> Table:
         """The table that a person reads first."""

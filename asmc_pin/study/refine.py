@@ -39,6 +39,16 @@ class Refinement:
         values = values[np.isfinite(values)]
         return float(values.max()) if values.size else math.nan
 
+    def notes(self) -> list[str]:
+        """How far the metrics that laws are judged by move, a line for each controller."""
+        lines = []
+        for controller in self.relative.controller.unique():
+            moves = ((METRICS[name].title, self.worst(controller, name)) for name in _JUDGED)
+            told = [f"{title} by {100 * x:.2g} %" for title, x in moves if math.isfinite(x)]
+            if told:
+                lines.append(f"half the step moves, at most of all joints ({controller}): {', '.join(told)}")
+        return lines
+
     def warnings(self) -> list[str]:
         """Figures that are artefacts of the step, and rankings that turn round with it."""
         lines = []
