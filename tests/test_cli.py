@@ -75,6 +75,11 @@ def test_a_counter_example_is_status_1_and_can_be_checked_by_hand(asmc_pin):
     assert lemma1_norm(mass, np.full(6, 1.0)) == pytest.approx(report["lower"], rel=1e-9)
 
 
+def test_a_counter_example_in_a_range_says_which_end_it_belongs_to(asmc_pin):
+    _, out, _ = asmc_pin("verify", "two_link", "--mbar", "0.01", "--payload", "0:2", "--samples", "256", "--json")
+    assert "payload" in json.loads(out)["worst_case"]
+
+
 def test_the_weighted_condition_is_never_called_lemma_1(asmc_pin):
     status, out, _ = asmc_pin("verify", "two_link", "--mbar", "0.01", "--condition", "weighted", "--samples", "256")
     assert status == 0

@@ -99,6 +99,8 @@ class ConditionReport:
             "configurations": self.configurations,
             "seconds": self.seconds,
         }
+        if self.worst_case:
+            content["worst_case"] = self.worst_case  # without it, `worst_q` would be half a counter-example
         if self.kind == "certified":
             content |= {"scale_proven": self.scale_proven, "scale_refuted": self.scale_refuted}
         return content
