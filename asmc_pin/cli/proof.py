@@ -22,6 +22,29 @@ from asmc_pin.errors import ParameterError
 
 
 @app.command()
+def check(
+    certificate: Annotated[str, typer.Argument(metavar="CERTIFICATE", help="A file of 'verify --certificate'.")],
+    as_json: JsonOption = False,
+) -> None:
+    """Replay a certificate by another route.
+
+    Exit status 0: the certificate is valid and its M̄ proven; 1: valid, and a counter-example to its M̄; 2: not valid;
+    3: valid, and its M̄ undecided.
+    """
+    from asmc_pin.condition.check import check as run
+
+    with progress_bar() as progress:
+        result = run(certificate, progress=progress)
+    if as_json:
+        print_json(result.to_json_dict())
+    else:
+        typer.echo("\n".join(result.lines()))
+    if not result.valid:
+        raise typer.Exit(2)
+    raise typer.Exit({"holds": 0, "violated": 1}.get(result.verdict, 3))
+
+
+@app.command()
 def agree(
     arm: ArmArgument,
     payload: PayloadOption = None,
