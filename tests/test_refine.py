@@ -17,6 +17,7 @@ from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
 from asmc_pin.plant import Friction, Plant
 from asmc_pin.plant.energy import mechanical_energy
+from asmc_pin.results import load_result
 from asmc_pin.rollout import rollout
 from asmc_pin.study import compare
 from asmc_pin.tool_error import tool_error
@@ -65,6 +66,33 @@ def test_the_trajectories_carry_the_tools_error(refined):
     assert dataset.tool_error_position.attrs["units"] == "m"
     rms = float(np.sqrt(np.mean(dataset.tool_error_position.sel(controller="PPC").to_numpy() ** 2)))
     assert rms * 1e3 == pytest.approx(refined.to_json_dict()["controllers"]["PPC"]["tool"]["rms_position_mm"])
+
+
+def test_the_summary_on_disk_and_the_report_carry_the_tools_error_under_the_labels_of_the_rest(tmp_path):
+    marked = {"PPC": {"law": "ppc"}, "CT": {"law": "computed_torque", "mass_scale": 0.9}}
+    base = experiment(metrics={"tool": load_arm("two_link").link_names[-1]}, controllers=marked)
+    result = compare(base, out=tmp_path / "r", refine=True)
+    rows = load_result(result.out).summary
+    printed = result.to_json_dict()["controllers"]
+    for label, shown in (("PPC", "PPC"), ("CT", "CT (knows the model)")):
+        own = rows[rows.controller == shown]
+        assert (own.tool == base.metrics.tool).all()
+        for what, unit in (("position", 1e3), ("rotation", 1.0)):
+            figure = printed[label]["tool"][f"rms_{what}_{'mm' if what == 'position' else 'rad'}"]
+            assert own[f"tool_rms_{what}"].to_numpy() * unit == pytest.approx([figure] * 2)
+    summary = (result.out / "summary.md").read_text(encoding="utf-8")
+    table = summary.split("## Tool-centre error of")[1].split("##")[0]
+    assert "| CT (knows the model) |" in table
+    assert "| CT |" not in table
+    assert "Tool, RMS position" in summary.split("How far the metrics move")[1]
+    page = (result.out / "report.html").read_text(encoding="utf-8")
+    assert f"Tool-centre error of {base.metrics.tool}" in page
+
+
+def test_the_report_gives_the_inertia_that_moves_rotors_included(tmp_path):
+    geared = experiment().with_plant(drive={"gear": 100.0, "rotor_inertia": 7.31e-5})
+    page = (compare(geared, out=tmp_path / "g").out / "report.html").read_text(encoding="utf-8")
+    assert page.split('id="conditions"')[1].count(">0.731<") == 2
 
 
 def test_the_trajectories_carry_what_was_measured_and_the_energy(refined, tmp_path):

@@ -20,7 +20,7 @@ from asmc_pin.arms import Arm
 from asmc_pin.errors import ResultError
 from asmc_pin.metrics import METRICS
 from asmc_pin.report.fragments import definition_list, definitions, details, table_html
-from asmc_pin.report.tables import MAIN, Table, metric_table, number, overview, per_joint
+from asmc_pin.report.tables import MAIN, Table, metric_table, number, overview, per_joint, tool_table
 from asmc_pin.report.theorem_page import theorem_section
 from asmc_pin.results import Result
 from asmc_pin.viewer import controller_colors, player_scripts, replay_fragment, static, write_page
@@ -147,6 +147,11 @@ def _tables(result: Result) -> Iterator[str]:
         '<p class="soft">Worst error: the largest of all joints over the run. Chatter: torque '
         "variation per second, summed over the joints. Marked: the smallest figure of a column. Dash: not defined.</p>"
     )
+    tool = tool_table(summary)
+    if tool is not None:
+        yield f"<h3>{escape(tool.title)}</h3>"
+        yield '<p class="soft">Distance of the frame from where the reference has it, and angle of the turn.</p>'
+        yield html(tool, True)
     names = sorted(METRICS, key=lambda name: (name not in MAIN, MAIN.index(name) if name in MAIN else 0))
     rest = [name for name in names if name != "rms_error" and summary[name].notna().any()]
     parts = []
@@ -176,7 +181,7 @@ def _figures(result: Result) -> Iterator[str]:
 
 def _conditions(result: Result) -> Iterator[str]:
     experiment = result.experiment
-    arm = experiment.build_arm()
+    arm = experiment.build_plant().arm  # with the rotors of its drives
     yield '<h2 id="conditions">Arm and experiment</h2>'
     yield f'<div class="scroll" tabindex="0">{table_html(_joint_table(arm), {})}</div>'
     facts = []

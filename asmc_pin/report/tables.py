@@ -18,6 +18,14 @@ MAIN = ("rms_error", "max_error", "torque_rms", "torque_variation")
 _BEST_IS_SMALLEST = ("rms_error", "max_error", "final_error")
 NOTHING = "–"
 
+TOOL = {
+    "tool_rms_position": ("RMS [mm]", 1e3),
+    "tool_max_position": ("maximum [mm]", 1e3),
+    "tool_rms_rotation": ("RMS [rad]", 1.0),
+    "tool_max_rotation": ("maximum [rad]", 1.0),
+}
+"""Columns of the summary about the tool, m and rad, where the experiment names one: header, and factor to its unit."""
+
 
 class Table(NamedTuple):
     """A table of text.
@@ -118,6 +126,19 @@ def overview(summary: pd.DataFrame) -> Table:
         for row, (status, end) in zip(rows, states.to_numpy(), strict=True):
             row.append(status if status == "ok" else f"{status} at {end:.3g} s")
     return Table(base.title, header, rows)
+
+
+def tool_table(summary: pd.DataFrame) -> Table | None:
+    """Error of the tool frame, a row for each controller; None if the experiment names none."""
+    if "tool" not in summary:
+        return None
+    several = summary.trial.nunique() > 1
+    lines = []
+    for (label, trial), rows in summary.groupby(["controller", "trial"], sort=False):
+        figures = [number(factor * float(rows[name].iloc[0])) for name, (_, factor) in TOOL.items()]
+        lines.append([f"{label}, trial {trial}" if several else str(label), *figures])
+    header = ["controller", *(text for text, _ in TOOL.values())]
+    return Table(f"Tool-centre error of {summary.tool.iloc[0]}", header, lines)
 
 
 def _extend(rows: list[list[str]], values: Array) -> None:

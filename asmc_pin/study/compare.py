@@ -31,7 +31,7 @@ from asmc_pin.study.refine import Refinement, refinement
 from asmc_pin.study.signals import add_signals
 from asmc_pin.study.summary import summary_markdown
 from asmc_pin.study.theorems import judge_theorems
-from asmc_pin.study.tool import add_tool_error
+from asmc_pin.study.tool import add_tool_columns, add_tool_error
 from asmc_pin.tool_error import ToolError, tool_error
 
 Progress = Callable[[str, float], None]
@@ -86,7 +86,7 @@ def compare(
     shown = {label: shown_label(label, law) for label, law in laws.items()}
     share = 1.0 / 3.0 if refine else 1.0  # half the step takes twice the time
     runs, seconds = _runs(experiment, plant, laws, shown, lambda what, done: tell(what, share * done))
-    rows = summary_rows(experiment, arm, runs, shown)
+    rows, tool = _rows(experiment, arm, runs, shown)
     after = after_the_run({shown[label]: run for label, run in runs.items()})
     refined = None
     if refine:
@@ -110,7 +110,7 @@ def compare(
         lemma1=lemma1,
         theorems=judge_theorems(plant, runs, laws, shown),
         refinement=refined,
-        tool=_tool_errors(experiment, arm, runs),
+        tool=tool,
     )
     add_signals(comparison.dataset, plant, list(runs.values()))
     add_tool_error(comparison.dataset, list(comparison.tool.values()))
@@ -141,7 +141,7 @@ def _refined(experiment: Experiment, rows: pd.DataFrame, shown: Mapping[str, str
     plant, laws = finer.build_plant(), finer.build_controllers()
     again = {label: f"{name}, half the step" for label, name in shown.items()}
     runs, _ = _runs(finer, plant, laws, again, lambda what, done: tell(what, done / _SIMULATION))
-    return refinement(rows, summary_rows(finer, plant.arm, runs, shown), substeps)
+    return refinement(rows, _rows(finer, plant.arm, runs, shown)[0], substeps)
 
 
 def _check_tool(experiment: Experiment, arm: Arm) -> None:
@@ -153,9 +153,14 @@ def _check_tool(experiment: Experiment, arm: Arm) -> None:
             raise ExperimentError("metrics.tool", str(error).removeprefix("frame: ")) from None
 
 
-def _tool_errors(experiment: Experiment, arm: Arm, runs: Mapping[str, Rollout]) -> dict[str, ToolError]:
-    tool = experiment.metrics.tool
-    return {} if tool is None else {label: tool_error(arm, run, tool) for label, run in runs.items()}
+def _rows(
+    experiment: Experiment, arm: Arm, runs: Mapping[str, Rollout], shown: Mapping[str, str]
+) -> tuple[pd.DataFrame, dict[str, ToolError]]:
+    """The summary, and the error of the tool by label if the experiment names one."""
+    rows, tool = summary_rows(experiment, arm, runs, shown), experiment.metrics.tool
+    errors = {} if tool is None else {label: tool_error(arm, run, tool) for label, run in runs.items()}
+    add_tool_columns(rows, {shown[label]: error for label, error in errors.items()})
+    return rows, errors
 
 
 def _part(tell: Progress, label: str, index: int, count: int) -> Callable[[int, int], None]:

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from asmc_pin.metrics import METRICS
-from asmc_pin.report.tables import Table
+from asmc_pin.report.tables import TOOL, Table
 
 # A metric that moves by more than this part of itself is told as a warning, if a reader is to compare laws by it.
 NOTABLE = 0.02
@@ -77,13 +77,15 @@ class Refinement:
 
     def table(self) -> Table:
         """Largest relative move of every metric, one row for each controller."""
-        names = list(METRICS)
+        titles = {name: metric.title for name, metric in METRICS.items()}
+        titles |= {name: f"Tool, {text.split(' [')[0]} {name.split('_')[-1]}" for name, (text, _) in TOOL.items()}
+        names = [name for name in titles if name in self.relative]
         rows = []
         for controller in self.relative.controller.unique():
             figures = [self.worst(controller, name) for name in names]
             rows.append([str(controller), *("–" if math.isnan(x) else f"{100 * x:.2g} %" for x in figures)])
         title = f"How far the metrics move from {self.substeps} to {2 * self.substeps} substeps"
-        return Table(title, ["controller", *(METRICS[name].title for name in names)], rows)
+        return Table(title, ["controller", *(titles[name] for name in names)], rows)
 
     def of_first_trial(self, controller: str) -> dict[str, list[float | None]]:
         """Relative moves of a controller by metric, one for each joint of its first trial; null where not defined."""
@@ -101,7 +103,7 @@ def refinement(rows: pd.DataFrame, finer: pd.DataFrame, substeps: int) -> Refine
         substeps: Steps in a control period, as run.
     """
     moved, relative = rows.copy(), rows.copy()
-    for name in METRICS:
+    for name in (*METRICS, *(name for name in TOOL if name in rows)):
         difference = finer[name].to_numpy() - rows[name].to_numpy()
         size = np.abs(finer[name].to_numpy())
         moved[name] = difference

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from asmc_pin.report.tables import markdown_table, metric_tables_markdown
+from asmc_pin.report.tables import markdown_table, metric_tables_markdown, tool_table
 from asmc_pin.report.theorems import theorems_markdown
 from asmc_pin.study.comparison import Comparison
-from asmc_pin.study.tool import tool_table
 
 
 def summary_markdown(comparison: Comparison) -> str:
@@ -32,6 +31,6 @@ def summary_markdown(comparison: Comparison) -> str:
         "",
         theorems_markdown(comparison.theorems.claims),
     ]
-    for extra in (tool_table(comparison.tool), comparison.refinement and comparison.refinement.table()):
+    for extra in (tool_table(comparison.rows), comparison.refinement and comparison.refinement.table()):
         lines += ["", f"## {extra.title}", "", markdown_table(extra), ""] if extra else []
     return "\n".join(lines)

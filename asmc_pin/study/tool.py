@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
-from asmc_pin.report.tables import Table, number
 from asmc_pin.tool_error import ToolError
 
 _COLUMNS = ("rms_position", "max_position", "rms_rotation", "max_rotation")
@@ -25,18 +25,18 @@ def tool_figures(error: ToolError) -> dict[str, str | float | None]:
     return figures
 
 
-def tool_table(errors: Mapping[str, ToolError]) -> Table | None:
-    """One row for each controller; None if no tool is named."""
-    if not errors:
-        return None
-    frame = next(iter(errors.values())).frame
-    rows = []
+def add_tool_columns(rows: pd.DataFrame, errors: Mapping[str, ToolError]) -> None:
+    """Put the figures into the summary: the same for every joint of a trial, in m and rad.
+
+    Args:
+        rows: See `asmc_pin.study.comparison.summary_rows`; written.
+        errors: By label as the summary has it; nothing is done if there are none.
+    """
     for label, error in errors.items():
-        mean = {name: float(np.mean(value)) for name, value in error.figures().items()}
-        scaled = [mean[name] * (1e3 if name.endswith("position") else 1.0) for name in _COLUMNS]
-        rows.append([label, *(number(x) for x in scaled)])
-    header = ["controller", "RMS [mm]", "maximum [mm]", "RMS [rad]", "maximum [rad]"]
-    return Table(f"Tool-centre error of {frame}", header, rows)
+        here = rows.controller == label
+        rows.loc[here, "tool"] = error.frame
+        for name, values in error.figures().items():
+            rows.loc[here, f"tool_{name}"] = values[rows.trial[here].to_numpy()]
 
 
 def add_tool_error(dataset: xr.Dataset, errors: Sequence[ToolError]) -> None:
