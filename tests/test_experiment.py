@@ -347,7 +347,13 @@ def test_two_experiments_may_each_have_a_module_of_the_same_name(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "name", ["demo", "panda_pick", *(f"baek2016_{x}" for x in ("simulation_smooth", "simulation_step", "experiment"))]
+    "name",
+    [
+        "demo",
+        "panda_pick",
+        "ur5_full_plant",
+        *(f"baek2016_{x}" for x in ("simulation_smooth", "simulation_step", "experiment")),
+    ],
 )
 def test_shipped_experiments_build_and_their_arm_can_follow_the_reference(name):
     assert name in experiment_names()
@@ -465,6 +471,13 @@ def test_the_docs_show_every_key_and_an_experiment_that_builds():
     assert set(experiment.build_controllers()) == {"PPC", "Proposed, quick"}
     assert experiment.setpoints()[1].q.shape == (2001, 6)
     experiment.build_plant()
+
+
+def test_the_docs_list_every_shipped_experiment():
+    table = (ROOT / "docs" / "experiments.md").read_text(encoding="utf-8").split("| shipped |")[1].split("\n\n")[0]
+    for name in experiment_names():
+        short = re.sub(r"_.*_", "_…_", name) if name.endswith("_reconciled") else name
+        assert f"`{short}`" in table, name
 
 
 def test_the_docs_show_the_messages_as_they_are():

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from asmc_pin.errors import ExperimentError
-from asmc_pin.experiment import Experiment, experiment_schema
+from asmc_pin.experiment import Experiment, experiment_schema, load_experiment
 from asmc_pin.experiment.schema import FrictionTable, PlantTable
 from asmc_pin.plant import (
     INTEGRATORS,
@@ -25,6 +25,7 @@ from asmc_pin.plant import (
     Spread,
 )
 from asmc_pin.rollout import rollout
+from asmc_pin.tool_error import tool_error
 
 PLANT = {
     "substeps": 4,
@@ -146,3 +147,19 @@ def test_the_example_of_the_docs_builds_and_runs():
 def test_every_parameter_of_the_plants_parts_is_documented(cls):
     for name in inspect.signature(cls).parameters:
         assert re.search(rf"[`\"]{name}[`\"]", DOCS), f"{cls.__name__}.{name} is not explained in docs/plant.md"
+
+
+def test_the_shipped_experiment_of_the_whole_plant_has_every_part_and_the_proposed_law_carries_it_through():
+    experiment = load_experiment("ur5_full_plant")
+    plant = experiment.build_plant()
+    for part in ("drive", "sensor", "end_stops", "spread", "disturbances", "payload_changes"):
+        assert getattr(plant, part), part
+    assert experiment.metrics.tool == "tool0"
+    run = rollout(plant, experiment.build_controllers()["Proposed"], experiment.build_reference(), experiment.duration)
+    assert run.status == ("ok",)
+    error = tool_error(plant.arm, run, "tool0").position[0]
+    before, after = (error[(run.time > a) & (run.time < b)].max() for a, b in ((4.8, 5.2), (5.2, 5.5)))
+    assert error.max() < 4e-3
+    assert after > 1.5 * before, "the push is felt"
+    assert (run.v[0] == 0.0).mean(axis=0).min() > 0.02, "every joint sticks at times"
+    assert not np.array_equal(run.q_measured, run.q)
