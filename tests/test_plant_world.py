@@ -210,6 +210,16 @@ def test_a_trial_scatters_the_same_in_any_batch():
 # End stops
 
 
+def test_joints_without_limits_have_no_stops_and_ask_for_no_short_steps():
+    arm = load_arm("two_link")
+    assert not np.isfinite([arm.lower, arm.upper]).any()
+    law = OpenLoop(lambda t: np.array([3.0, 1.0]), L)
+    with_stops, without = (
+        rollout(Plant(arm, end_stops=stops), law, Still(np.zeros(2)), 0.1) for stops in (EndStops(stiffness=1e8), None)
+    )
+    np.testing.assert_array_equal(with_stops.q, without.q)
+
+
 def test_a_mass_that_meets_a_stop_without_damping_comes_back_as_fast(arm):
     stops = EndStops(stiffness=2e4, damping=0.0)
     result = run(arm, v0=2.0, q0=999.5, end_stops=stops, substeps=8, error_bound=1e6)

@@ -42,7 +42,9 @@ class StopForces:
     def __init__(self, stops: EndStops, lower: Array, upper: Array) -> None:
         nv = lower.size
         self._lower, self._upper = lower, upper
-        self.stiffness, self._damping = row(stops.stiffness, nv, 0.0), row(stops.damping, nv, 0.0)
+        # A joint without limits has no stop, so its stiffness must not ask for short steps either.
+        limited = np.isfinite(lower) | np.isfinite(upper)
+        self.stiffness, self._damping = row(stops.stiffness, nv, 0.0) * limited, row(stops.damping, nv, 0.0)
 
     def torque(self, q: Array, v: Array) -> Array:
         """Torque of the stops on the joints, (batch, nv), N·m."""
