@@ -1,8 +1,8 @@
 """A certificate on disk: one npz file with all that a proof rests on.
 
 Content: ``header`` (JSON text), ``urdf`` (the URDF's text), ``record_K`` (the bisection of statement K, uint8). The
-header holds the statements, the boxes, the arms' kinematic trees as exact numbers (hexadecimal floats), and a digest of
-all else.
+header holds the statements, the boxes, what was done to the arm (locked joints, payload, armature), some of its inertia
+matrices, all as exact numbers (hexadecimal floats), and a digest of all else.
 """
 
 from __future__ import annotations
@@ -24,13 +24,12 @@ if TYPE_CHECKING:
     from asmc_pin.condition.variants import Case
 
 FORMAT = "asmc-pin certificate 1"
-TREE = ("rotation", "translation", "axis", "mass", "com", "inertia")
 
 
 def write(result: CertificateResult, path: str | Path) -> Path:
     """Write a certificate; see `CertificateResult.save`."""
     target = Path(path)
-    if not result.proofs:
+    if not result.proofs and result.verdict != "violated":
         raise ResultError(
             target, f"nothing is proven about {result.arm} ({result.reason}), so there is nothing to write"
         )
@@ -41,6 +40,7 @@ def write(result: CertificateResult, path: str | Path) -> Path:
         "arm": result.arm,
         "source": arm.source.name,
         "sha256": arm.sha256,
+        "urdf_sha256": hashlib.sha256(arm.urdf_text.encode()).hexdigest(),
         "joints": list(result.joints),
         "condition": result.condition,
         "mbar": numbers(result.mbar),
@@ -50,6 +50,8 @@ def write(result: CertificateResult, path: str | Path) -> Path:
         "scale_proven": result.scale_proven,
         "scale_refuted": result.scale_refuted,
         "lower": result.lower,
+        "worst": _seen(result.worst_q, result.worst_armature, result.worst_index),
+        "refuted": _seen(result.refuted_q, result.refuted_armature, result.refuted_index),
         "cases": [_case(case) for case in result.cases],
         "statements": [
             {
@@ -123,10 +125,16 @@ def array(values: Any) -> Array:
     return np.array([array(row) for row in values]) if isinstance(values, list) else np.array(float.fromhex(values))
 
 
+def _seen(q: Array, armature: Array, case: int) -> dict[str, Any]:
+    return {"case": case, "q": numbers(q), "armature": numbers(armature)}
+
+
 def _case(case: Case) -> dict[str, Any]:
     domain = case.domain
-    arm, tree = domain.arm, domain.arm.tree
+    arm, box = domain.arm, domain.box
     payload = arm.payload
+    share = np.random.default_rng(0).random((3, arm.nv))
+    q = box.lower + share * (box.upper - box.lower)
     return {
         "label": case.label,
         "locked": {name: float(angle).hex() for name, angle in arm.locked.items()},
@@ -138,11 +146,10 @@ def _case(case: Case) -> dict[str, Any]:
             "inertia": numbers(np.asarray(payload.inertia, dtype=np.float64)),
             "link": payload.link,
         },
-        "lower": numbers(domain.box.lower),
-        "upper": numbers(domain.box.upper),
+        "lower": numbers(box.lower),
+        "upper": numbers(box.upper),
         "armature_lower": numbers(domain.armature_lower),
         "armature_upper": numbers(domain.armature_upper),
-        "parent": tree.parent.tolist(),
-        "prismatic": tree.prismatic.tolist(),
-        **{name: numbers(getattr(tree, name)) for name in TREE},
+        "sample_q": numbers(q),
+        "sample_mass": numbers(arm.mass_matrix(q) - np.diag(arm.armature)),
     }

@@ -26,6 +26,8 @@ class Worst:
     Attributes:
         scale: The condition is violated for M̄ times this, at `scale_q`.
         scale_q: Shape (nv,).
+        scale_armature: Shape (nv,), kg·m².
+        scale_case: Index of the case.
         norm: Largest norm seen, at `norm_q`.
         norm_q: Shape (nv,).
         norm_armature: Shape (nv,), kg·m².
@@ -56,7 +58,8 @@ class Worst:
         scale = _factor(scale_kind, float(evaluate(scale_kind, domain.arm, at, self._mbar, found.armature)[0]))
         norm = float(evaluate(norm_kind, domain.arm, at, self._mbar, found.armature)[0])
         if scale * (1.0 + STRICT) < self.scale:
-            self.scale, self.scale_q, self.scale_case = scale * (1.0 + STRICT), found.q, case
+            self.scale, self.scale_q = scale * (1.0 + STRICT), found.q
+            self.scale_armature, self.scale_case = found.armature, case
         if norm > self.norm:
             self.norm, self.norm_q, self.norm_armature, self.norm_case = norm, found.q, found.armature, case
 

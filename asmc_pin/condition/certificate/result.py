@@ -43,7 +43,10 @@ class CertificateResult:
         worst_q: Configuration of `lower`, shape (nv,), rad (m where prismatic).
         worst_armature: Armature there, shape (nv,), kg·m².
         worst_case: Which payload end or locked joint it belongs to; empty without ranges.
+        worst_index: The same as an index of `cases`.
         refuted_q: Configuration of `scale_refuted`, shape (nv,).
+        refuted_armature: Armature there, shape (nv,), kg·m².
+        refuted_index: Index of its case.
         boxes: Leaves of the proof of `scale_proven` (of `upper` with a level).
         tests: Boxes tested on the way.
         seconds: Wall time.
@@ -67,7 +70,10 @@ class CertificateResult:
     worst_q: Array
     worst_armature: Array
     worst_case: str
+    worst_index: int
     refuted_q: Array
+    refuted_armature: Array
+    refuted_index: int
     boxes: int
     tests: int
     seconds: float

@@ -1,0 +1,69 @@
+"""The cells of a certificate: decoded from its record, and counted exactly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from asmc_pin._typing import Array, IntArray
+
+_LEAF = 255
+_DEEPEST = 60
+
+
+class Broken(ValueError):
+    """A record that is no complete bisection; the message says why."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """Leaves of a bisection: cell `index` of 2^`level` equal parts of each joint's range, both of shape (leaves, n)."""
+
+    level: IntArray
+    index: IntArray
+
+    def boxes(self, lower: Array, upper: Array) -> tuple[Array, Array]:
+        """Centres and half widths, each (leaves, n); widened by more than their rounding."""
+        part = (upper - lower) * np.exp2(-self.level.astype(np.float64))
+        centre = lower + part * (self.index + 0.5)
+        widened = 0.5 * part + np.where(upper > lower, 1e-14 * (np.abs(lower) + np.abs(upper)), 0.0)
+        return centre, widened
+
+
+def cells(record: np.ndarray[tuple[int, ...], np.dtype[np.uint8]], joints: int) -> Cells:
+    """Decode a record: preorder, a byte per node, the joint that is halved (lower half first) or 255 for a leaf.
+
+    Args:
+        record: The record.
+        joints: Number of joints.
+
+    Returns:
+        Its leaves; together they are the whole box, which their volumes, added up as integers, confirm.
+
+    Raises:
+        Broken: Too short, too long, or halving what there is not.
+    """
+    stack = [((0,) * joints, (0,) * joints)]
+    levels, indices = [], []
+    for at, byte in enumerate(record.tolist()):
+        if not stack:
+            raise Broken(f"the record goes on after its last box, at byte {at}")
+        level, index = stack.pop()
+        if byte == _LEAF:
+            levels.append(level)
+            indices.append(index)
+            continue
+        if byte >= joints or level[byte] >= _DEEPEST:
+            raise Broken(f"byte {at} of the record halves a joint that is not there, or too often")
+        deeper = (*level[:byte], level[byte] + 1, *level[byte + 1 :])
+        low, high = 2 * index[byte], 2 * index[byte] + 1
+        stack.append((deeper, (*index[:byte], high, *index[byte + 1 :])))
+        stack.append((deeper, (*index[:byte], low, *index[byte + 1 :])))
+    if stack:
+        raise Broken(f"the record ends with {len(stack)} boxes open")
+    depth = [sum(level) for level in levels]
+    most = max(depth)
+    if sum(1 << (most - d) for d in depth) != 1 << most:
+        raise Broken("the volumes of the boxes do not add up to that of the whole")
+    return Cells(np.array(levels, dtype=np.int64), np.array(indices, dtype=np.int64))
