@@ -30,6 +30,12 @@ _ROOM = 4_000_000
 _DEEPER = 14
 """How often a cell that this route does not prove as it is may be halved on."""
 
+_MORE = 20.0
+"""How many more boxes than the certificate has it may take."""
+
+_NEAR = 1e-10
+"""Least eigenvalue over the largest that is below zero for sure."""
+
 
 @dataclass(frozen=True)
 class CheckedStatement:
@@ -226,14 +232,16 @@ def _prove(form: Form, centre: Array, half: Array, tell: Callable[[float], None]
             batch = max(1, _ROOM // (corners * (6 * form.pairing.shape[0]) ** 2))
             for start in range(0, same.size, batch):
                 at = same[start : start + batch]
-                good, cost = holds(form, c[at], r[at])
+                good, cost, least = holds(form, c[at], r[at])
                 done += float(np.sum(np.exp2(-depth[at[good]].astype(np.float64))))
                 tell(done / total)
                 if good.all():
                     continue
+                if np.any(least[~good] < -_NEAR):
+                    return halved, "at the centre of a box it is not so"
                 at, cost = at[~good], cost[~good]
                 joint = np.argmax(np.where(r[at] > 0.0, np.nan_to_num(cost, nan=np.inf) + 1e-300, -1.0), axis=1)
-                if np.any(depth[at] >= _DEEPER) or np.all(idle):
+                if np.any(depth[at] >= _DEEPER) or np.all(idle) or halved > _MORE * (total + 100.0):
                     return halved, "a box of it could not be proven again"
                 halved += at.size
                 rows = np.arange(at.size)

@@ -140,7 +140,7 @@ def _ends(
     return _lowered(np.stack(ends, axis=2), size), K, good
 
 
-def holds(form: Form, c: Array, r: Array) -> tuple[BoolArray, Array]:
+def holds(form: Form, c: Array, r: Array) -> tuple[BoolArray, Array, Array]:
     """Whether the form is positive over each box of cells; all boxes have the same joints wide.
 
     Args:
@@ -149,11 +149,12 @@ def holds(form: Form, c: Array, r: Array) -> tuple[BoolArray, Array]:
         r: Half widths, shape (B, n).
 
     Returns:
-        Proven, shape (B,); and for each joint what its cell costs in the weakest motion at the centre, shape (B, n).
+        Proven, shape (B,); for each joint what its cell costs in the weakest motion at the centre, shape (B, n); the
+        form's least eigenvalue at the centre over its largest, shape (B,).
     """
     chain = form.chain
     n, B = chain.parent.size, len(c)
-    roots, inverses, weak = metrics(form, c)
+    roots, inverses, weak, least = metrics(form, c)
     m = 6 * form.pairing.shape[0]
     forms = [np.broadcast_to(form.body(i), (B, 1, m, m)).copy() for i in range(n)]
     good = np.ones((B, 1), dtype=np.bool_)
@@ -177,7 +178,7 @@ def holds(form: Form, c: Array, r: Array) -> tuple[BoolArray, Array]:
         A = forms[parent] + ends.reshape(B, -1, m, m)
         size = np.abs(forms[parent]).sum(axis=-1) + np.abs(ends).reshape(B, -1, m, m).sum(axis=-1)
         forms[parent] = _lowered(A, size)
-    return np.asarray(good.all(axis=1)), cost
+    return np.asarray(good.all(axis=1)), cost, least
 
 
 def _follow(form: Form, A: Array, F: Array) -> BoolArray:

@@ -86,10 +86,11 @@ def form_of(chain: Chain, mbar: Array, statement: dict[str, Any], lower: Array, 
     return Form(chain, pairing, mixing, own, exact, (float(lower[1]), float(upper[1])) if exact else (0.0, 0.0))
 
 
-def metrics(form: Form, c: Array) -> tuple[list[Array], list[Array], list[Array]]:
+def metrics(form: Form, c: Array) -> tuple[list[Array], list[Array], list[Array], Array]:
     """For each joint: a square root of the metric of its losses, its inverse, and the weakest motion's twist before it.
 
-    All three only guide; none is relied upon. Shapes (B, 6p, 6p) twice and (B, 6p).
+    All three only guide; none is relied upon. Shapes (B, 6p, 6p) twice and (B, 6p). And the form's least eigenvalue at
+    the centre over its largest, shape (B,).
     """
     chain = form.chain
     n, p, e = chain.parent.size, form.pairing.shape[0], form.mixing.shape[2]
@@ -107,10 +108,11 @@ def metrics(form: Form, c: Array) -> tuple[list[Array], list[Array], list[Array]
         trial = np.linspace(*form.range_1, 25)
         many = np.repeat(q[:, None], trial.size, axis=1)
         many[:, :, 1] = trial
-        least = np.stack([np.linalg.eigvalsh(joint_space(many[:, k]))[:, 0] for k in range(trial.size)], axis=1)
-        q[:, 1] = trial[np.argmin(least, axis=1)]
+        tried = np.stack([np.linalg.eigvalsh(joint_space(many[:, k]))[:, 0] for k in range(trial.size)], axis=1)
+        q[:, 1] = trial[np.argmin(tried, axis=1)]
     values, vectors = np.linalg.eigh(joint_space(q))
-    values = np.maximum(values, 1e-9 * values[:, -1:])
+    least = values[:, 0] / np.abs(values[:, -1])
+    values = np.maximum(values, 1e-9 * np.abs(values[:, -1:]))
     compliance = (vectors / values[:, None, :]) @ transposed(vectors)
     weakest = vectors[:, :, 0]
     J = chain.jacobians(q)
@@ -149,7 +151,7 @@ def metrics(form: Form, c: Array) -> tuple[list[Array], list[Array], list[Array]
         U = np.linalg.cholesky(Γ)
         roots[i] = big @ transposed(np.linalg.inv(U))
         inverses[i] = transposed(U) @ np.linalg.inv(big)
-    return roots, inverses, weak
+    return roots, inverses, weak, least
 
 
 def transposed(A: Array) -> Array:
