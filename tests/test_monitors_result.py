@@ -119,10 +119,10 @@ def test_trials_are_summed_up_by_the_worst_of_them(comparison: Comparison) -> No
     assert cell == ("broken at 0.250 s, by up to 2.00 rad/s, 33 % of the ticks (saturation, drive); 2 of 3 trials")
 
 
-def test_the_figure_shows_all_five_and_only_where_there_is_something(comparison: Comparison, tmp_path: Any) -> None:
+def test_the_figure_shows_all_seven_and_only_where_there_is_something(comparison: Comparison, tmp_path: Any) -> None:
     dataset = comparison.theorems.dataset
     labels = [axis.get_ylabel() for axis in theorem_figure(dataset.isel(trial=0)).axes]
-    for part in ("Lemma 1", "TDE error", "bound dotted", "dot{V}", "bound (21)"):
+    for part in ("Lemma 1", "TDE error", "N_{k-1}", "bound dotted", "V$ of (12)", "dot{V}", "bound (21)"):
         assert sum(part in label for label in labels) == 1
     figure = theorem_figure(dataset.isel(trial=0))
     norm = figure.axes[0]
@@ -130,6 +130,15 @@ def test_the_figure_shows_all_five_and_only_where_there_is_something(comparison:
     assert len(lines) == 2  # PPC and the proposed law; computed torque has no M̄
     shown = np.asarray(lines[0].get_ydata(), dtype=float)
     assert shown == pytest.approx(dataset.lemma1_norm.to_numpy()[0, 0])
+    size = np.linalg.norm(dataset.tde_error.to_numpy()[0, 0], axis=-1)
+    ratio = np.asarray(figure.axes[2].get_lines()[0].get_ydata(), dtype=float)
+    assert np.nanmax(ratio) == pytest.approx(np.nanmax(size[1:] / size[:-1]))
+    lyapunov = figure.axes[labels.index(r"$V$ of (12) [rad$^2$/s$^2$]")]
+    proposed = dataset.sel(controller="Proposed").isel(trial=0)
+    curve, broken = lyapunov.get_lines()
+    assert np.array_equal(np.asarray(curve.get_ydata(), dtype=float), proposed.lyapunov, equal_nan=True)
+    marked = comparison.theorems.claims.query("controller == 'Proposed' and claim == 'eq16'").broken.item()
+    assert len(np.asarray(broken.get_xdata())) == marked
     baseline = dataset.sel(controller=["CT (knows the model)"])
     assert draw_theorems(baseline, tmp_path) is None
     assert not list(tmp_path.iterdir())
@@ -140,3 +149,13 @@ def test_arrays_of_a_law_without_mbar_are_not_defined(comparison: Comparison) ->
     one = comparison.theorems.dataset.sel(controller="CT (knows the model)")
     for name in ("tde_error", "lemma1_norm", "lyapunov", "s_bound", "gain_bound"):
         assert not np.isfinite(one[name]).any()
+
+
+def test_the_figure_of_a_trial_without_gains_motion_or_error(comparison: Comparison, tmp_path: Any) -> None:
+    still = comparison.theorems.dataset.copy(deep=True)
+    still["tde_error"][:, :, 1:] = np.nan  # no ratio is defined
+    still["lyapunov"][:, :, 1:] = np.nan  # diverged at once
+    still["claimed"][:] = 0.0
+    figure = theorem_figure(still.isel(trial=0))
+    assert not np.isfinite(np.asarray(figure.axes[2].get_lines()[0].get_ydata(), dtype=float)).any()
+    assert draw_theorems(still, tmp_path) == tmp_path / "theorems.png"

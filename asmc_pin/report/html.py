@@ -34,8 +34,9 @@ FIGURES = {
     "errors": "Tracking error of every joint.",
     "gains_and_s": "Switching gains and sliding variables.",
     "torques": "Torque of every joint, after the drive's limits.",
-    "theorems": "The paper's theorems: Lemma 1's norm and the TDE error; of each law that Theorem 1 speaks of, its "
-    "gains with their bound, where (16) is broken (above 0), and ‖s‖ with its bound.",
+    "theorems": "The paper's theorems: Lemma 1's norm, the TDE error, and its largest ratio from tick to tick (dotted: "
+    "what I − M⁻¹M̄ alone leaves of it); of each law that Theorem 1 speaks of, its gains with their bound, V of (12) "
+    "and V̇ + β‖s‖² (orange where (16) is broken), and ‖s‖ with its bound.",
 }
 """Caption of each figure, by the name of its file, in the order of the page; others follow under their own names."""
 
