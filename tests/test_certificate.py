@@ -18,6 +18,7 @@ from asmc_pin.condition import CONDITIONS, search_worst, verify
 from asmc_pin.condition.certificate import Progress, certify
 from asmc_pin.condition.certified import certified
 from asmc_pin.errors import ArmError, ParameterError
+from asmc_pin.references import Ramps
 
 
 @pytest.fixture(scope="module")
@@ -243,3 +244,26 @@ def test_a_proof_of_a_full_turn_is_of_one_turn(ur5: Arm) -> None:
     assert upper - lower == pytest.approx(np.full(6, 2.0 * np.pi))
     wide: Array = np.asarray(ur5.upper - ur5.lower)
     assert np.all(wide > 2.0 * np.pi)
+
+
+def test_a_tube_around_a_motion_is_proven_slice_by_slice() -> None:
+    arm = load_arm("xarm7", armature=[0.5, 0.5, 0.3, 0.3, 0.05, 0.05, 0.05])
+    lower, upper = arm.box
+    middle = 0.5 * (lower + upper)
+    motion = Ramps(points=[middle.tolist(), (middle + 0.15 * (upper - lower)).tolist()], times=[0.0, 2.0])
+    mbar = np.array([0.6, 0.6, 0.4, 0.4, 0.06, 0.09, 0.05])
+    options = {"along": motion, "tube_width": 0.5, "slices": 6}
+    found = certify(arm, mbar, gap=0.2, budget=30.0, **options)  # type: ignore[arg-type]
+    assert found.scope == "tube"
+    assert len(found.cases) == 6
+    assert found.scale_proven >= 0.8 * found.scale_refuted
+    # Anywhere within half a radian of the motion, and there a larger M̄ than over the whole box.
+    rng = np.random.default_rng(0)
+    q = motion.evaluate(rng.uniform(0.0, 2.0, 300)).q + rng.uniform(-0.5, 0.5, (300, 7))
+    assert norms("lemma1")(arm.mass_matrix(q), found.scale_proven * mbar).max() < 1.0
+    report = certified(verify(arm, mbar, samples=600, starts=4, **options), found)  # type: ignore[arg-type]
+    assert (report.kind, report.scope, report.scale_proven) == ("certified", "tube", found.scale_proven)
+    with pytest.raises(ParameterError, match="tube"):
+        certify(arm, mbar, along=motion)
+    with pytest.raises(ParameterError, match="domain"):
+        certified(verify(arm, mbar, samples=64, starts=1), found)

@@ -73,8 +73,8 @@ def verify(
 
     page = report_path(report)
     check_proof_options(certify, certificate)
-    if certify and along is not None:
-        raise ParameterError("--certify", "proves over a joint box; leave out --along, or give the box with --box")
+    if certify and along is not None and tube is None:
+        raise ParameterError("--certify", "proves over boxes: add --tube RAD for a tube around the motion")
     if tube is not None and along is None:
         raise ParameterError("--tube", "is around a motion: add --along EXPERIMENT or a CSV of recorded data")
     loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
@@ -85,7 +85,8 @@ def verify(
         options |= {"along": _motion(along, loaded), "tube_width": tube}
     found = run(loaded, values, **domain, **options)
     if certify:
-        found = prove(loaded, values, found, certificate, gap=gap, budget=budget, **domain)
+        options.pop("samples", None)
+        found = prove(loaded, values, found, certificate, gap=gap, budget=budget, **domain, **options)
     write_page(found, loaded, page)
     if as_json:
         print_json(found.to_json_dict())

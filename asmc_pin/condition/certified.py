@@ -16,8 +16,8 @@ def certified(report: ConditionReport, result: CertificateResult) -> ConditionRe
     """What a search and a proof say together.
 
     Args:
-        report: Of `verify` over a joint box.
-        result: Of `certify`, for the same arm, M̄, condition, box and ranges.
+        report: Of `verify` over a joint box, or in a tube.
+        result: Of `certify`, for the same arm, M̄, condition, box or tube, and ranges.
 
     Returns:
         The report with kind ``certified``: bounds, scales and verdict of the proof, and the worst configuration that
@@ -27,8 +27,8 @@ def certified(report: ConditionReport, result: CertificateResult) -> ConditionRe
         ParameterError: They speak of different things.
     """
     same = (report.arm, report.joints, report.condition, report.mbar.tolist())
-    if same != (result.arm, result.joints, result.condition, result.mbar.tolist()) or report.scope != "box":
-        raise ParameterError("result", "the proof and the search are not of the same arm, M̄, condition and joint box")
+    if same != (result.arm, result.joints, result.condition, result.mbar.tolist()) or report.scope != result.scope:
+        raise ParameterError("result", "the proof and the search are not of the same arm, M̄, condition and domain")
     searched = report.lower >= result.lower
     lower = max(report.lower, result.lower)
     verdict, refuted = result.verdict, result.scale_refuted
@@ -49,6 +49,7 @@ def certified(report: ConditionReport, result: CertificateResult) -> ConditionRe
         worst_q=report.worst_q if searched else result.worst_q,
         worst_armature=report.worst_armature if searched else result.worst_armature,
         worst_case=report.worst_case if searched else result.worst_case,
+        worst_time=report.worst_time if searched else None,
         subject=subject,
         configurations=report.configurations + result.tests,
         seconds=report.seconds + result.seconds,

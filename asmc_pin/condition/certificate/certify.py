@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from asmc_pin._typing import Array
 from asmc_pin.condition.box import BoxLike
+from asmc_pin.condition.certificate.domain import domains
 from asmc_pin.condition.certificate.kernels_tree import LEAF
 from asmc_pin.condition.certificate.refute import Worst
 from asmc_pin.condition.certificate.result import CertificateResult, Verdict
 from asmc_pin.condition.certificate.strategy import Progress, Prover
 from asmc_pin.condition.lemma1 import Condition, check_condition, check_mbar
-from asmc_pin.condition.variants import ArmatureRange, LockChoices, PayloadRange, cases
+from asmc_pin.condition.variants import ArmatureRange, LockChoices, PayloadRange
 from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -38,13 +40,18 @@ def certify(
     payload: PayloadRange = None,
     armature: ArmatureRange = None,
     lock: LockChoices = None,
+    along: Any = None,
+    tube_width: float | Sequence[float] | Array | None = None,
+    slices: int = 50,
+    period: float | None = None,
+    duration: float | None = None,
     threads: int = 2,
     samples: int = SAMPLES,
     starts: int = STARTS,
     seed: int = 0,
     progress: Callable[[Progress], None] | None = None,
 ) -> CertificateResult:
-    """Prove or refute a condition over a whole joint box.
+    """Prove or refute a condition over a whole joint box, or in a tube around a motion.
 
     Search finds a factor of M̄ at which the condition breaks; proofs raise a factor at which it holds, until the two are
     within `gap` of each other and M̄ itself is decided. Then, where it holds, lower and lower levels γ of the norm are
@@ -62,6 +69,11 @@ def certify(
         payload: A payload, or a tuple of two: every mass between (same centre) is covered by its ends.
         armature: Values, or ranges as (lo, hi), covered by their ends.
         lock: Joint to angle or to several angles, each of which is proven.
+        along: An experiment, a reference or recorded data: a tube around it in place of the joint box.
+        tube_width: The tube: all that is within this of the motion in the same time slice, rad (m).
+        slices: Time slices of the tube, each with a joint box of its own.
+        period: Spacing along a reference, s; default the experiment's, else 1 ms.
+        duration: How long to follow the reference, s; default the experiment's, else its own.
         threads: Worker threads.
         samples: Samples of the search.
         starts: Its local climbs.
@@ -83,9 +95,22 @@ def certify(
     _check("threads", threads, threads >= 1, "at least 1")
     if level is not None:
         _check("level", level, 0.0 < level <= 1.0, "a number above 0 and at most 1")
-    all_cases = tuple(cases(arm, box, payload, armature, lock))
+    all_cases, scope = domains(
+        arm,
+        box=box,
+        payload=payload,
+        armature=armature,
+        lock=lock,
+        along=along,
+        tube_width=tube_width,
+        slices=slices,
+        period=period,
+        duration=duration,
+    )
     first = all_cases[0].domain.arm
     values = check_mbar(mbar, first.nv)
+    if scope == "tube":
+        samples, starts = max(256, samples // slices), max(4, starts // slices)
     worst = Worst(all_cases, values, condition, samples, starts, seed)
     prover = Prover(all_cases, values, condition, worst, began=began, budget=budget, threads=threads, progress=progress)
     asked = 1.0 if level is None else level
@@ -111,6 +136,7 @@ def certify(
         joints=first.joint_names,
         mbar=values,
         condition=condition,
+        scope=scope,
         level=asked,
         verdict=verdict,
         lower=worst.norm,

@@ -29,7 +29,11 @@ SPREAD = 0.05
 """Share of the rigid metric in the metric of losses; from 0.01 to 1 the number of boxes changes by a factor of two."""
 
 MARGIN = 1e-9
-"""The proof is of f (1 + this) in place of f: room for the last digits of the arm's own data (certificate.md)."""
+"""The proof is of f (1 + this) in place of f, so that what is proven is strict."""
+
+DATA = 1e-13
+"""Share of each body's largest possible inertia that is taken off for the last digits of the arm's data: some hundred
+times what turning frames and weighing by M̄ round."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +127,11 @@ def problem_of(tree: Tree, lower: Array, upper: Array, mbar: Array, statement: S
             joint -= (
                 slack[:, None, None] * max(-values[0], 0.0) * np.outer(vectors[:, 0], vectors[:, 0]) * (1.0 + MARGIN)
             )
+    pairing = np.ones((1, 1)) if motion.shape[1] == 1 else np.array([[0.0, 1.0], [1.0, 0.0]])
+    largest = np.sqrt(_largest(tree, lower, upper))
+    weights = np.einsum("ipk,pr,jrl,i,j->ikjl", np.abs(motion), pairing, np.abs(motion), largest, largest)
+    e = motion.shape[2]
+    joint[:, range(e), range(e)] -= DATA * weights.sum(axis=(2, 3))
     exact = bool(n > 1 and tree.parent[1] == 0 and not tree.prismatic[1])
     return Problem(
         np.array(tree.parent),
@@ -137,6 +146,21 @@ def problem_of(tree: Tree, lower: Array, upper: Array, mbar: Array, statement: S
         exact,
         SPREAD,
     )
+
+
+def _largest(tree: Tree, lower: Array, upper: Array) -> Array:
+    """A bound of the diagonal of M(q) over the box, armature left out, shape (nv,): everything stretched out."""
+    offset = np.linalg.norm(tree.translation, axis=1)
+    offset += np.where(tree.prismatic, np.maximum(np.abs(lower), np.abs(upper)), 0.0)
+    bound = np.zeros(tree.nv)
+    for k in range(tree.nv):
+        reach, i = float(np.linalg.norm(tree.com[k])), k
+        own = float(np.trace(tree.inertia[k]))
+        while i >= 0:
+            bound[i] += tree.mass[k] if tree.prismatic[i] else own + tree.mass[k] * reach**2
+            reach += float(offset[i])
+            i = int(tree.parent[i])
+    return bound
 
 
 def _cross(v: Array) -> Array:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from asmc_pin._typing import Array
+from asmc_pin.condition.certificate.domain import Scope
 from asmc_pin.condition.certificate.problem import Statement
 from asmc_pin.condition.certificate.walk import Record
 from asmc_pin.condition.lemma1 import FORMULAS, Condition
@@ -34,6 +35,7 @@ class CertificateResult:
         joints: Its moving joints, base first.
         mbar: Diagonal of M̄, shape (nv,), kg·m².
         condition: ``lemma1`` or ``weighted``.
+        scope: Over what: ``box``, or ``tube``, whose time slices are cases.
         level: γ of the verdict; 1 is the condition itself.
         verdict: ``holds``: proven for M̄ itself. ``violated``: `worst_q` is a counter-example. ``undecided``: neither.
         lower: Largest norm seen, at `worst_q`.
@@ -61,6 +63,7 @@ class CertificateResult:
     joints: tuple[str, ...]
     mbar: Array
     condition: Condition
+    scope: Scope
     level: float
     verdict: Verdict
     lower: float
