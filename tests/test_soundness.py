@@ -24,7 +24,7 @@ from asmc_pin.condition.check_bound import holds
 from asmc_pin.condition.check_form import form_of
 
 KINDS: tuple[Kind, ...] = ("weighted", "bounded", "lemma1", "level")
-FEW, MANY = 12, 1500
+FEW, MANY = 12, 900
 ABOVE = 1.0 + 1e-8
 """The search's own last digits."""
 

@@ -77,7 +77,7 @@ class CheckResult:
         scale_refuted: What it claims.
         upper: What it claims.
         lower: What it claims.
-        box: The joint box that it speaks of, by joint, rad (m where prismatic).
+        box: The joint box that it speaks of, by joint, rad (m where prismatic); for a tube, all its slices together.
         statements: Its statements.
         fractions: Configurations at which they were also evaluated in exact fractions.
         seconds: Wall time.
@@ -117,7 +117,8 @@ class CheckResult:
         ]
         if self.box:
             ranges = ", ".join(f"{name} {lo:.4g}:{hi:.4g}" for name, (lo, hi) in self.box.items())
-            found.append(f"joint box: {ranges}")
+            boxes = len({s.case for s in self.statements})
+            found.append(f"joint box: {ranges}" + (f" ({boxes} cases, some with parts of it)" if boxes > 1 else ""))
         for s in self.statements:
             where = f" ({s.case})" if s.case else ""
             found.append(

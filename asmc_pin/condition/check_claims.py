@@ -67,8 +67,11 @@ def numbers_of(header: dict[str, Any]) -> dict[str, Any]:
     except (KeyError, TypeError, ValueError):
         mbar = ()
     try:
-        ends = [array(header["cases"][0][end]) for end in ("lower", "upper")]
-        box = {name: (float(a), float(b)) for name, a, b in zip(header["joints"], *ends, strict=True)}
+        ends = [np.array([array(case[end]) for case in header["cases"]]) for end in ("lower", "upper")]
+        box = {
+            name: (float(a), float(b))
+            for name, a, b in zip(header["joints"], ends[0].min(axis=0), ends[1].max(axis=0), strict=True)
+        }
     except (KeyError, TypeError, ValueError, IndexError):
         box = {}
     return {
