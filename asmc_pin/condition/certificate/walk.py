@@ -153,6 +153,27 @@ class _Crew:
         return max(8, min(4 * most, int(most * _SLICE / max(took, 1e-6))))
 
 
+def get_ready() -> None:
+    """Compile what a walk needs, or read it from numba's cache, so that no clock runs meanwhile."""
+    still, one = np.zeros((1, 6, 6)), np.ones((1, 1, 1))
+    nothing = Problem(
+        np.array([-1], dtype=np.int64),
+        np.array([False]),
+        still,
+        still,
+        still,
+        one,
+        one,
+        np.zeros(1),
+        np.zeros(1),
+        False,
+        1.0,
+    )
+    stack = np.zeros((2, 1), dtype=np.int64)
+    kernels_tree.explore(nothing, stack, stack.copy(), 1, UNKNOWN, 0, UNKNOWN.copy())
+    kernels_tree.subtree_end(UNKNOWN, 0)
+
+
 def prove(
     problem: Problem,
     *,
