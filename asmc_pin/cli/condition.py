@@ -153,10 +153,13 @@ def print_verdict(report: ConditionReport) -> None:
     console.print(f"{largest}; smallest {report.smallest:.6g}")
     if report.scale_refuted is not None:
         proven = report.scale_proven or 0.0
-        console.print(
-            f"proven for M̄ times {proven:.6g}, counter-example for M̄ times {report.scale_refuted:.6g} "
-            f"(gap {1.0 - proven / report.scale_refuted:.2%})"
-        )
+        if report.scale_refuted > 0.0:
+            console.print(
+                f"proven for M̄ times {proven:.6g}, counter-example for M̄ times {report.scale_refuted:.6g} "
+                f"(gap {1.0 - proven / report.scale_refuted:.2%})"
+            )
+        else:
+            console.print("there are counter-examples for every positive multiple of M̄")
     if report.upper is not None:
         console.print(
             f"the norm is proven to be at most {report.upper:.6g} over the box"
