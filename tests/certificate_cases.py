@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -109,11 +109,12 @@ class Question:
         return Statement(self.kind, 1.0, 1.0 - x, 0, self.tree.armature, none)
 
 
-def question(seed: int, kind: Kind, largest: int = 6) -> Question | None:
-    """A random question of a kind; None where M̄ is such that no x is true."""
+def question(seed: int, kind: Kind, largest: int = 6, point: bool = False) -> Question | None:
+    """A random question of a kind, about a box or a single configuration; None where M̄ is such that no x is true."""
     rng = np.random.default_rng(seed)
     tree = random_tree(rng, int(rng.integers(1, largest + 1)))
     centre, half = random_box(rng, tree)
+    half = 0.0 * half if point else half
     lower, upper = centre - half, centre + half
     mass = mass_matrices(tree, rng.uniform(lower, upper, (64, tree.nv)))
     mbar = np.diagonal(mass, axis1=1, axis2=2).min(axis=0) * rng.uniform(0.2, 1.0, tree.nv)
@@ -160,9 +161,3 @@ def largest_proven(asked: Question, proven: Callable[[Question, float], bool], s
 def norms(condition: str) -> Callable[[Array, Array], Array]:
     """The condition's norm."""
     return {"lemma1": lemma1_norm, "weighted": weighted_norm}[condition]
-
-
-def smaller(asked: Question, share: float) -> Question:
-    """The same question about a box with the same centre and `share` of the widths."""
-    centre, half = 0.5 * (asked.lower + asked.upper), 0.5 * share * (asked.upper - asked.lower)
-    return replace(asked, lower=centre - half, upper=centre + half)
