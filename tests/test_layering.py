@@ -15,7 +15,8 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent / "asmc_pin"
 
 # Part -> parts that it may import. A part may only name parts above its own row, so that there is no way back.
-# `errors`, `text` and `_typing` are open to all. Of the controllers the plant knows what it exchanges with them, and s to log.
+# `errors`, `text` and `_typing` are open to all. Of the controllers the plant knows what it exchanges with them, and s
+# to log.
 MAY_IMPORT: dict[str, set[str]] = {
     "_typing": set(),
     "errors": set(),
