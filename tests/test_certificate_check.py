@@ -16,10 +16,12 @@ from condition_cases import chain
 from asmc_pin import load_arm
 from asmc_pin.arms import Payload
 from asmc_pin.condition.certificate import certify
-from asmc_pin.condition.certificate.file import digest, numbers, read
+from asmc_pin.condition.certificate.container import digest, numbers, read
 from asmc_pin.condition.check import check
-from asmc_pin.condition.check_arm import Unreadable, chain_of_text
-from asmc_pin.condition.check_cover import Broken, cells
+from asmc_pin.condition.check.bisection import Broken, cells
+from asmc_pin.condition.check.contents import Load
+from asmc_pin.condition.check.links import chain_of
+from asmc_pin.condition.check.urdf_text import Unreadable, description
 from asmc_pin.errors import ResultError
 
 
@@ -30,7 +32,8 @@ def certificate(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def rewrite(source: Path, target: Path, change: Callable[[dict[str, Any], list[Any]], None], sign: bool = True) -> Path:
     """A changed copy of a certificate, with a digest that fits again if `sign`."""
-    header, urdf, records = read(source)
+    container = read(source)
+    header, urdf, records = container.header, container.urdf, container.records
     change(header, records)
     if sign:
         header["digest"] = digest(header, urdf, records)
@@ -46,9 +49,13 @@ def rewrite(source: Path, target: Path, change: Callable[[dict[str, Any], list[A
 def test_a_certificate_is_replayed_box_by_box_on_another_route(certificate: Path) -> None:
     found = check(certificate)
     assert found.valid, found.problems
-    assert (found.arm, found.condition, found.verdict) == ("ur5", "weighted", "holds")
+    assert found.hypotheses is not None
+    assert found.conclusion is not None
+    assert (found.hypotheses.arm, found.hypotheses.condition, found.verdict) == ("ur5", "weighted", "holds")
+    assert found.conclusion.scale_proven == ur5_certificate().scale_proven
+    assert found.conclusion.lower == pytest.approx(ur5_certificate().lower, rel=1e-12)
     assert sum(s.boxes for s in found.statements if s.level == 1.0) == ur5_certificate().boxes
-    assert found.fractions > 0
+    assert all(s.spots.points >= 2 and s.spots.boxes >= 2 for s in found.statements)
     assert json.loads(json.dumps(found.to_json_dict()))["valid"] is True
     assert "valid" in found.lines()[0]
     assert certificate.stat().st_size < 20_000
@@ -91,7 +98,7 @@ CHANGES: dict[str, Callable[[dict[str, Any], list[Any]], None]] = {
     "a verdict": _set("verdict", "violated"),
     "joints in another order": lambda header, records: header["joints"].reverse(),
     "a record with a box left out": lambda header, records: records.__setitem__(0, np.delete(records[0], -1)),
-    "a record with a box too many": lambda header, records: records.__setitem__(0, np.append(records[0], 255)),
+    "a record with a box too many": lambda header, records: records.__setitem__(0, np.repeat(records[0], 2)),
     "a record that never halves": lambda header, records: records.__setitem__(0, np.array([255], dtype=np.uint8)),
     "a record of another arm": lambda header, records: records.__setitem__(0, np.array([9, 255, 255], dtype=np.uint8)),
     "a proof less": lambda header, records: (records.pop(), header["statements"].pop()),
@@ -121,7 +128,8 @@ def test_any_change_is_noticed_by_the_digest(certificate: Path, tmp_path: Path) 
 
 
 def test_another_urdf_is_noticed(certificate: Path, tmp_path: Path) -> None:
-    header, urdf, records = read(certificate)
+    container = read(certificate)
+    header, urdf, records = container.header, container.urdf, container.records
     heavier = urdf.replace("8.393", "8.4")
     assert heavier != urdf
     content = {f"record_{k}": record for k, record in enumerate(records)}
@@ -191,8 +199,8 @@ def test_the_checkers_own_reading_of_a_urdf_gives_pinocchios_inertia(name: str) 
         name, payload={"mass": 1.0, "com": (0.01, 0.02, 0.03), "inertia": (0.01, 0.001, 0.002, 0.02, 0.003, 0.015)}
     )
     assert arm.payload is not None
-    payload = {key: getattr(arm.payload, key) for key in ("mass", "com", "inertia", "link")}
-    read_anew = chain_of_text(arm.urdf_text, arm.joint_names, arm.locked, payload)
+    payload = Load.model_construct(**{key: getattr(arm.payload, key) for key in ("mass", "com", "inertia", "link")})
+    read_anew = chain_of(description(arm.urdf_text), arm.joint_names, arm.locked, payload)
     q = np.random.default_rng(0).uniform(-3.0, 3.0, (20, arm.nv))
     mass = arm.mass_matrix(q)
     assert np.abs(read_anew.mass_matrix(q, arm.armature) - mass).max() < 1e-13 * np.abs(mass).max()
@@ -201,16 +209,16 @@ def test_the_checkers_own_reading_of_a_urdf_gives_pinocchios_inertia(name: str) 
 def test_a_urdf_that_is_another_arms_is_unreadable() -> None:
     arm = load_arm("ur5")
     with pytest.raises(Unreadable, match="neither moves nor locks"):
-        chain_of_text(arm.urdf_text, arm.joint_names[:-1], {}, None)
+        chain_of(description(arm.urdf_text), arm.joint_names[:-1], {}, None)
     with pytest.raises(Unreadable, match="entities"):
-        chain_of_text('<!DOCTYPE r [<!ENTITY a "b">]><robot/>', arm.joint_names, {}, None)
+        description('<!DOCTYPE r [<!ENTITY a "b">]><robot/>')
 
 
 def test_a_record_that_is_no_bisection_is_broken() -> None:
-    good = cells(np.array([1, 255, 0, 255, 255], dtype=np.uint8), 2)
+    (good,) = cells(np.array([1, 255, 0, 255, 255], dtype=np.uint8), 2)
     centre, half = good.boxes(np.array([0.0, 0.0]), np.array([1.0, 4.0]))
     assert centre.tolist() == [[0.5, 1.0], [0.25, 3.0], [0.75, 3.0]]
     assert half == pytest.approx(np.array([[0.5, 1.0], [0.25, 1.0], [0.25, 1.0]]), rel=1e-12)
     for record in ([1, 255], [255, 255], [2, 255, 255]):
         with pytest.raises(Broken):
-            cells(np.array(record, dtype=np.uint8), 2)
+            list(cells(np.array(record, dtype=np.uint8), 2))

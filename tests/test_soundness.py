@@ -19,9 +19,10 @@ from asmc_pin.condition import CONDITIONS, search_worst
 from asmc_pin.condition.certificate import certify
 from asmc_pin.condition.certificate.problem import Kind, canonical
 from asmc_pin.condition.check import check
-from asmc_pin.condition.check_arm import Chain
-from asmc_pin.condition.check_bound import holds
-from asmc_pin.condition.check_form import form_of
+from asmc_pin.condition.check.box_bounds import holds
+from asmc_pin.condition.check.contents import Statement
+from asmc_pin.condition.check.links import Chain
+from asmc_pin.condition.check.quadratic_form import form_of
 
 KINDS: tuple[Kind, ...] = ("weighted", "bounded", "lemma1", "level")
 FEW, MANY = 12, 900
@@ -33,13 +34,9 @@ def checker_proves(asked: Question, x: float) -> bool:
     if x <= 0.0 or (asked.kind in ("bounded", "level") and x >= 1.0):
         return False
     s = asked.statement(x)
-    statement = {
-        "kind": s.kind,
-        "scale": s.scale,
-        "level": s.level,
-        "armature": [float(v).hex() for v in s.armature],
-        "slack": [float(v).hex() for v in s.slack],
-    }
+    statement = Statement.model_construct(
+        kind=s.kind, scale=s.scale, level=s.level, case=0, armature=tuple(s.armature), slack=tuple(s.slack)
+    )
     chain = chain_of_tree(asked.tree)
     form = form_of(chain, asked.mbar, statement, asked.lower, asked.upper)
     half = 0.5 * (asked.upper - asked.lower)

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from asmc_pin.cli.app import app
+from asmc_pin.cli.condition import EXIT
 from asmc_pin.cli.console import progress_bar
 from asmc_pin.cli.options import (
     ArmArgument,
@@ -28,8 +29,8 @@ def check(
 ) -> None:
     """Replay a certificate by another route.
 
-    Exit status 0: the certificate is valid and its M̄ proven; 1: valid, and a counter-example to its M̄; 2: not valid;
-    3: valid, and its M̄ undecided.
+    Exit status 0: the certificate is valid and its M̄ proven; 1: not valid, or valid and a counter-example to its M̄,
+    the text says which; 2: unreadable as a certificate; 3: valid, and its M̄ undecided.
     """
     from asmc_pin.condition.check import check as run
 
@@ -39,9 +40,7 @@ def check(
         print_json(result.to_json_dict())
     else:
         typer.echo("\n".join(result.lines()))
-    if not result.valid:
-        raise typer.Exit(2)
-    raise typer.Exit({"holds": 0, "violated": 1}.get(result.verdict, 3))
+    raise typer.Exit(1 if result.verdict is None else EXIT[result.verdict])
 
 
 @app.command()

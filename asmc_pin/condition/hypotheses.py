@@ -12,11 +12,21 @@ from typing import Any, Literal, TypeAlias
 from asmc_pin.text import printable
 
 Condition: TypeAlias = Literal["lemma1", "weighted"]
+"""``lemma1``: ‖I − M⁻¹M̄‖₂ < 1. ``weighted``: M̄ ≺ 2M, that is max|1 − λ(M⁻¹M̄)| < 1."""
+
 Interval: TypeAlias = tuple[float, float]
 
 NAMES: dict[Condition, str] = {"lemma1": "Lemma 1", "weighted": "The weighted condition"}
 
-Where: TypeAlias = Literal["box", "motion", "tube"]
+Where: TypeAlias = Literal["box", "motion", "tube", "boxes"]
+
+
+def formula(condition: Condition, level: float = 1.0) -> str:
+    """A condition as an inequality, at a level γ of its norm."""
+    norm = {"lemma1": "‖I − M⁻¹M̄‖₂", "weighted": "max|1 − λ(M⁻¹M̄)|"}[condition]
+    if level < 1.0:
+        return f"{norm} < {level!r}"
+    return f"{norm} < 1" if condition == "lemma1" else f"{norm} < 1, i.e. M̄ ≺ 2M"
 
 
 @dataclass(frozen=True)
@@ -80,7 +90,8 @@ class Hypotheses:
         locked: Joints held rigid, each at an angle or at each of several, rad (m where prismatic).
         box: The range of each joint, rad (m where prismatic).
         where: ``box``: all of `box`. ``motion``: the configurations of a motion, whose range is `box`. ``tube``: joint
-            boxes around one motion's time slices, whose common range is `box`.
+            boxes around one motion's time slices, whose common range is `box`. ``boxes``: joint boxes, of which nothing
+            else is known.
         parts: How many such boxes.
     """
 
@@ -124,6 +135,7 @@ class Hypotheses:
             "box": "Joint box",
             "motion": "Along a motion within",
             "tube": f"In {self.parts} joint boxes along a motion, all within",
+            "boxes": f"In {self.parts} joint boxes, and not between them, all within",
         }[self.where]
         return [
             ("Arm", f"{printable(self.arm)}, {len(self.joints)} moving joints (URDF {self.sha256[:16]}…)"),

@@ -5,20 +5,19 @@ They are different conditions and have different numbers; nothing in the package
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from typing import get_args
 
 import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition import kernels
+from asmc_pin.condition.hypotheses import Condition as Condition
+from asmc_pin.condition.hypotheses import formula
 from asmc_pin.errors import NotPositiveDefinite, ParameterError
-
-Condition = Literal["lemma1", "weighted"]
-"""``lemma1``: ‖I − M⁻¹M̄‖₂ < 1. ``weighted``: M̄ ≺ 2M, that is max|1 − λ(M⁻¹M̄)| < 1."""
 
 CONDITIONS: tuple[Condition, ...] = get_args(Condition)
 
-FORMULAS: dict[Condition, str] = {"lemma1": "‖I − M⁻¹M̄‖₂ < 1", "weighted": "max|1 − λ(M⁻¹M̄)| < 1, i.e. M̄ ≺ 2M"}
+FORMULAS: dict[Condition, str] = {condition: formula(condition) for condition in CONDITIONS}
 
 
 def lemma1_norm(mass: Array, mbar: Array) -> Array:

@@ -1,29 +1,30 @@
-"""A certificate on disk: one npz file with all that a proof rests on.
-
-Content: ``header`` (JSON text), ``urdf`` (the URDF's text), ``record_K`` (the bisection of statement K, uint8). The
-header holds the statements, the boxes, what was done to the arm (locked joints, payload, armature), some of its inertia
-matrices, all as exact numbers (hexadecimal floats), and a digest of all else.
-"""
+"""Writing a certificate: one file with all that a proof rests on; `container` says what stands in it."""
 
 from __future__ import annotations
 
 import hashlib
 import io
 import json
-import zipfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.condition.certificate.container import (
+    FORMAT,
+    MOST_HEADER,
+    MOST_RECORDS,
+    MOST_STATEMENTS,
+    MOST_URDF,
+    digest,
+    numbers,
+)
 from asmc_pin.errors import ResultError
 
 if TYPE_CHECKING:
     from asmc_pin.condition.certificate.result import CertificateResult
     from asmc_pin.condition.variants import Case
-
-FORMAT = "asmc-pin certificate 1"
 
 
 def write(result: CertificateResult, path: str | Path) -> Path:
@@ -67,8 +68,10 @@ def write(result: CertificateResult, path: str | Path) -> Path:
     }
     header["digest"] = digest(header, arm.urdf_text, records)
     content = {f"record_{k}": record for k, record in enumerate(records)}
-    content["header"] = np.frombuffer(json.dumps(header, ensure_ascii=False).encode(), dtype=np.uint8)
+    text = json.dumps(header, ensure_ascii=False, allow_nan=False)
+    content["header"] = np.frombuffer(text.encode(), dtype=np.uint8)
     content["urdf"] = np.frombuffer(arm.urdf_text.encode(), dtype=np.uint8)
+    _check_sizes(target, content, len(records))
     buffer = io.BytesIO()
     np.savez_compressed(buffer, allow_pickle=False, **content)
     try:
@@ -79,50 +82,21 @@ def write(result: CertificateResult, path: str | Path) -> Path:
     return target
 
 
-def read(path: str | Path) -> tuple[dict[str, Any], str, list[np.ndarray[Any, np.dtype[np.uint8]]]]:
-    """Header, URDF text and records of a certificate file, as they stand: nothing is believed yet.
-
-    Raises:
-        ResultError: No such file, or not a certificate.
-    """
-    source = Path(path)
-    try:
-        with np.load(io.BytesIO(source.read_bytes()), allow_pickle=False) as content:
-            header = json.loads(content["header"].tobytes().decode())
-            urdf = content["urdf"].tobytes().decode()
-            count = sum(name.startswith("record_") for name in content.files)
-            records = [np.array(content[f"record_{k}"], dtype=np.uint8).ravel() for k in range(count)]
-    except OSError as error:
-        raise ResultError(source, f"cannot read the certificate {source}: {error.strerror or error}") from None
-    except (ValueError, KeyError, zipfile.BadZipFile, UnicodeDecodeError, EOFError):
-        raise ResultError(
-            source, f"{source} is not a certificate; write one with: asmc-pin verify … --certify --certificate FILE"
-        ) from None
-    if not isinstance(header, dict) or header.get("format") != FORMAT:
-        raise ResultError(source, f"{source} is not of the format '{FORMAT}', which is what this version checks")
-    return header, urdf, records
-
-
-def digest(header: dict[str, Any], urdf: str, records: list[np.ndarray[Any, np.dtype[np.uint8]]]) -> str:
-    """SHA-256 of all that a certificate says, but for the digest itself."""
-    said = {key: value for key, value in header.items() if key != "digest"}
-    total = hashlib.sha256(json.dumps(said, sort_keys=True, ensure_ascii=False).encode())
-    total.update(urdf.encode())
-    for record in records:
-        total.update(np.int64(record.size).tobytes() + record.tobytes())
-    return total.hexdigest()
-
-
-def numbers(values: Array) -> Any:
-    """Nested lists of hexadecimal floats, exact."""
-    if values.ndim == 0:
-        return float(values).hex()
-    return [numbers(row) for row in values]
-
-
-def array(values: Any) -> Array:
-    """The array that `numbers` wrote."""
-    return np.array([array(row) for row in values]) if isinstance(values, list) else np.array(float.fromhex(values))
+def _check_sizes(target: Path, content: dict[str, Any], records: int) -> None:
+    """A certificate that no checker would open is none."""
+    sizes = (
+        ("header", content["header"].size, MOST_HEADER, "bytes"),
+        ("URDF", content["urdf"].size, MOST_URDF, "bytes"),
+        ("proof", sum(content[f"record_{k}"].size for k in range(records)), MOST_RECORDS, "boxes"),
+        ("proof", records, MOST_STATEMENTS, "statements"),
+    )
+    for what, size, most, unit in sizes:
+        if size > most:
+            raise ResultError(
+                target,
+                f"the certificate would not be readable: its {what} has {size} {unit}, at most {most} are read; "
+                "ask for a larger gap, a smaller box, or fewer slices of a tube",
+            )
 
 
 def _seen(q: Array, armature: Array, case: int) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.certificate.domain import Scope
 from asmc_pin.condition.certificate.problem import Statement
 from asmc_pin.condition.certificate.walk import Record
-from asmc_pin.condition.lemma1 import FORMULAS, Condition
+from asmc_pin.condition.hypotheses import Condition, formula
 
 if TYPE_CHECKING:
     from asmc_pin.condition.variants import Case
@@ -94,11 +94,7 @@ class CertificateResult:
     @property
     def formula(self) -> str:
         """The condition as an inequality."""
-        return (
-            FORMULAS[self.condition]
-            if self.level == 1.0
-            else FORMULAS[self.condition].replace("< 1", f"< {self.level:g}", 1)
-        )
+        return formula(self.condition, self.level)
 
     def save(self, path: str | Path) -> Path:
         """Write the proofs to a file that ``asmc-pin check`` replays.

@@ -2,7 +2,7 @@
 
 The theorem is that of docs/certificate.md; nothing else is shared with the prover. Trigonometric parts come from five
 samples per joint and a discrete Fourier transform, not from the form's entries; positivity from eigenvalues, not from a
-Cholesky; metrics from explicit Jacobians; the arm from `check_arm`.
+Cholesky; metrics from explicit Jacobians; the arm from `links`.
 
 Arrays begin with the box and the corner, (B, V, …).
 """
@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from asmc_pin._typing import Array, BoolArray
-from asmc_pin.condition.check_form import Form, metrics, transposed
+from asmc_pin.condition.check.quadratic_form import Form, metrics, transposed
 
 WIDE = 1.4
 """Half width, rad, above which a turning joint is bounded by its mean over a turn."""

@@ -1,22 +1,16 @@
-"""The arm of a certificate, read from its URDF's text without Pinocchio and without the loader.
-
-Written a second time on purpose: a checker that reads the arm as the prover did repeats its mistakes.
-"""
+"""The arm of a certificate in floating point, for the replay of the boxes."""
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from asmc_pin._typing import Array, BoolArray, IntArray
-
-
-class Unreadable(ValueError):
-    """The text does not describe the arm that the certificate speaks of; the message says why."""
+from asmc_pin.condition.check.contents import Load
+from asmc_pin.condition.check.urdf_text import Body, Decimals, Description, Pose, Unreadable
+from asmc_pin.text import printable
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,97 +82,80 @@ def cross(v: Array) -> Array:
     return out - np.swapaxes(out, -1, -2)
 
 
-def chain_of_text(
-    text: str, joints: Sequence[str], locked: Mapping[str, float], payload: Mapping[str, Any] | None
-) -> Chain:
-    """Read a URDF.
+def chain_of(robot: Description, joints: Sequence[str], locked: Mapping[str, float], payload: Load | None) -> Chain:
+    """The chain of a robot's moving joints.
 
     Args:
-        text: The file.
-        joints: Names of the moving joints, in the order of the certificate.
+        robot: The robot.
+        joints: Names of the moving joints, in the order of the certificate, base first.
         locked: Joints held rigid, and where, rad (m where prismatic).
-        payload: ``mass``, ``com``, ``inertia`` (six entries) and ``link``; None for nothing.
+        payload: What is fastened to a link of it.
 
     Returns:
         The chain.
 
     Raises:
-        Unreadable: It is not well-formed, or does not have these joints.
+        Unreadable: The robot does not have these joints, or others that move.
     """
-    if "<!ENTITY" in text:
-        raise Unreadable("the URDF declares entities, which are not expanded here")
-    try:
-        root = ET.fromstring(text.encode())
-    except ET.ParseError as error:
-        raise Unreadable(f"the URDF is not well-formed XML: {error}") from None
-    for element in root.iter():
-        element.tag = str(element.tag).rpartition("}")[2]
     index = {name: i for i, name in enumerate(joints)}
     n = len(joints)
     parent, place = np.full(n, -2, dtype=np.int64), np.zeros((n, 4, 4))
     axis, slides, inertia = np.zeros((n, 3)), np.zeros(n, dtype=np.bool_), np.zeros((n, 6, 6))
-    children: dict[str, list[ET.Element]] = {}
-    below = set()
-    for joint in root.findall("joint"):
-        children.setdefault(_part(joint, "parent").get("link", ""), []).append(joint)
-        below.add(_part(joint, "child").get("link", ""))
-    links = {link.get("name", ""): link for link in root.findall("link")}
-    open_links = [(name, -1, np.eye(4)) for name in links if name not in below]
-    while open_links:
-        name, body, pose = open_links.pop()
+    held = set()
+    if payload is not None and payload.link not in robot.bodies:
+        raise Unreadable(f"the payload is on link '{printable(payload.link)}', which the URDF does not have")
+    waiting = [(robot.root, -1, np.eye(4))]
+    while waiting:
+        name, body, pose = waiting.pop()
         if body >= 0:
-            inertia[body] += _moved(pose, _link_inertia(links[name]))
-            if payload is not None and payload["link"] == name:
-                inertia[body] += _moved(pose, _spatial(payload["mass"], payload["com"], _symmetric(payload["inertia"])))
-        for joint in children.get(name, []):
-            child, label = _part(joint, "child").get("link", ""), joint.get("name", "")
-            kind, at = joint.get("type"), pose @ _origin(joint)
-            along = _axis(joint)
-            if label in index:
-                i = index[label]
-                parent[i], place[i], axis[i], slides[i] = body, at, along, kind == "prismatic"
-                open_links.append((child, i, np.eye(4)))
-                continue
-            if kind != "fixed":
-                if label not in locked:
+            own = robot.bodies[name]
+            if own is not None:
+                inertia[body] += _moved(pose, _inertia(own))
+            if payload is not None and payload.link == name:
+                load = _spatial(payload.mass, np.array(payload.com), _symmetric(np.array(payload.inertia)))
+                inertia[body] += _moved(pose, load)
+        for joint in robot.children.get(name, ()):
+            at, along, moves = pose @ _origin(joint.pose), _axis(joint.axis), joint.kind != "fixed"
+            if moves and joint.name in index:
+                if joint.mimics:
                     raise Unreadable(
-                        f"joint '{label}' of the URDF moves, and the certificate neither moves nor locks it"
+                        f"joint '{printable(joint.name)}' of the URDF follows another, which is not checked"
                     )
-                at = at @ _motion(along, float(locked[label]), kind == "prismatic")
-            open_links.append((child, body, at))
+                i = index[joint.name]
+                parent[i], place[i], axis[i], slides[i] = body, at, along, joint.kind == "prismatic"
+                waiting.append((joint.child, i, np.eye(4)))
+                continue
+            if moves:
+                if joint.name not in locked:
+                    raise Unreadable(
+                        f"joint '{printable(joint.name)}' of the URDF moves, and the certificate neither moves nor "
+                        "locks it"
+                    )
+                held.add(joint.name)
+                at = at @ _motion(along, locked[joint.name], joint.kind == "prismatic")
+            waiting.append((joint.child, body, at))
     if np.any(parent == -2) or np.any(parent >= np.arange(n)):
         raise Unreadable("the certificate's joints are not the URDF's, base first")
+    if held != set(locked):
+        raise Unreadable("the certificate locks joints that the URDF does not have")
     return Chain(parent, place, axis, slides, inertia)
 
 
-def _part(element: ET.Element, tag: str) -> ET.Element:
-    found = element.find(tag)
-    if found is None:
-        raise Unreadable(f"joint '{element.get('name')}' of the URDF has no <{tag}>")
-    return found
+def _floats(values: Decimals) -> Array:
+    return np.array([float(x) for x in values])
 
 
-def _numbers(text: str | None, default: str) -> Array:
-    try:
-        return np.array([float(x) for x in (text or default).split()])
-    except ValueError:
-        raise Unreadable(f"'{text}' in the URDF is not a row of numbers") from None
-
-
-def _axis(joint: ET.Element) -> Array:
-    element = joint.find("axis")
-    along = _numbers(None if element is None else element.get("xyz"), "1 0 0")
+def _axis(axis: Decimals) -> Array:
+    along = _floats(axis)
     length = float(np.linalg.norm(along))
     return along / length if length > 0.0 else along
 
 
-def _origin(element: ET.Element) -> Array:
+def _origin(origin: Pose) -> Array:
     pose = np.eye(4)
-    origin = element.find("origin")
-    if origin is not None:
-        pose[:3, 3] = _numbers(origin.get("xyz"), "0 0 0")
-        roll, pitch, yaw = _numbers(origin.get("rpy"), "0 0 0")
-        pose[:3, :3] = _turn(2, yaw) @ _turn(1, pitch) @ _turn(0, roll)
+    pose[:3, 3] = _floats(origin.xyz)
+    roll, pitch, yaw = _floats(origin.rpy)
+    pose[:3, :3] = _turn(2, yaw) @ _turn(1, pitch) @ _turn(0, roll)
     return pose
 
 
@@ -196,28 +173,20 @@ def _motion(axis: Array, q: float, slides: bool) -> Array:
     return pose
 
 
-def _link_inertia(link: ET.Element) -> Array:
-    inertial = link.find("inertial")
-    if inertial is None:
-        return np.zeros((6, 6))
-    mass, tensor = inertial.find("mass"), inertial.find("inertia")
-    value = 0.0 if mass is None else float(mass.get("value", "0"))
-    entries = [
-        0.0 if tensor is None else float(tensor.get(key, "0")) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    ]
-    pose = _origin(inertial)
-    about = pose[:3, :3] @ _symmetric(entries) @ pose[:3, :3].T
-    return _spatial(value, pose[:3, 3], about)
+def _inertia(body: Body) -> Array:
+    pose = _origin(body.pose)
+    about = pose[:3, :3] @ _symmetric(_floats(body.inertia)) @ pose[:3, :3].T
+    return _spatial(float(body.mass), pose[:3, 3], about)
 
 
-def _symmetric(entries: Sequence[float] | Array) -> Array:
+def _symmetric(entries: Array) -> Array:
     xx, xy, xz, yy, yz, zz = entries
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
-def _spatial(mass: float, com: Array | Sequence[float], about_com: Array) -> Array:
+def _spatial(mass: float, com: Array, about_com: Array) -> Array:
     """Spatial inertia at the frame's origin: kinetic energy of a body as a form of its twist."""
-    c = cross(np.asarray(com, dtype=np.float64))
+    c = cross(com)
     out = np.empty((6, 6))
     out[:3, :3] = about_com + mass * c @ c.T
     out[:3, 3:], out[3:, :3] = mass * c, mass * c.T

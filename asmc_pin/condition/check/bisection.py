@@ -1,7 +1,8 @@
-"""The cells of a certificate: decoded from its record, and counted exactly."""
+"""The cells of a certificate: decoded from its record piece by piece, and counted exactly."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from asmc_pin._typing import Array, IntArray
 
 _LEAF = 255
 _DEEPEST = 60
+_PIECE = 4096
 
 
 class Broken(ValueError):
@@ -31,28 +33,40 @@ class Cells:
         return centre, widened
 
 
-def cells(record: np.ndarray[tuple[int, ...], np.dtype[np.uint8]], joints: int) -> Cells:
+def leaves(record: np.ndarray[tuple[int, ...], np.dtype[np.uint8]]) -> int:
+    """How many leaves a record has, whole or not."""
+    return int(np.count_nonzero(record == _LEAF))
+
+
+def cells(record: np.ndarray[tuple[int, ...], np.dtype[np.uint8]], joints: int) -> Iterator[Cells]:
     """Decode a record: preorder, a byte per node, the joint that is halved (lower half first) or 255 for a leaf.
 
     Args:
         record: The record.
         joints: Number of joints.
 
-    Returns:
-        Its leaves; together they are the whole box, which their volumes, added up as integers, confirm.
+    Yields:
+        Its leaves, some thousand at a time, so that memory does not grow with the record. All together they are the
+        whole box, which their volumes, added up as integers, confirm in the end.
 
     Raises:
         Broken: Too short, too long, or halving what there is not.
     """
     stack = [((0,) * joints, (0,) * joints)]
     levels, indices = [], []
-    for at, byte in enumerate(record.tolist()):
+    most = _DEEPEST * joints
+    volume = 0
+    for at, byte in enumerate(record.tobytes()):
         if not stack:
             raise Broken(f"the record goes on after its last box, at byte {at}")
         level, index = stack.pop()
         if byte == _LEAF:
             levels.append(level)
             indices.append(index)
+            volume += 1 << (most - sum(level))
+            if len(levels) == _PIECE:
+                yield Cells(np.array(levels, dtype=np.int64), np.array(indices, dtype=np.int64))
+                levels, indices = [], []
             continue
         if byte >= joints or level[byte] >= _DEEPEST:
             raise Broken(f"byte {at} of the record halves a joint that is not there, or too often")
@@ -62,8 +76,7 @@ def cells(record: np.ndarray[tuple[int, ...], np.dtype[np.uint8]], joints: int) 
         stack.append((deeper, (*index[:byte], low, *index[byte + 1 :])))
     if stack:
         raise Broken(f"the record ends with {len(stack)} boxes open")
-    depth = [sum(level) for level in levels]
-    most = max(depth)
-    if sum(1 << (most - d) for d in depth) != 1 << most:
+    if volume != 1 << most:
         raise Broken("the volumes of the boxes do not add up to that of the whole")
-    return Cells(np.array(levels, dtype=np.int64), np.array(indices, dtype=np.int64))
+    if levels:
+        yield Cells(np.array(levels, dtype=np.int64), np.array(indices, dtype=np.int64))

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.certificate.file import array
-from asmc_pin.condition.check_arm import Chain
+from asmc_pin.condition.check.contents import Statement
+from asmc_pin.condition.check.links import Chain
+
+SLACKER = 1e-15
+"""Share of armature and slack by which the slack is replayed larger, so that the rounding of a range is inside."""
 
 _SHARE = 0.05
 
@@ -56,13 +58,14 @@ def lift(X: Array, p: int) -> Array:
     return out
 
 
-def form_of(chain: Chain, mbar: Array, statement: dict[str, Any], lower: Array, upper: Array) -> Form:
+def form_of(chain: Chain, mbar: Array, statement: Statement, lower: Array, upper: Array) -> Form:
     """A statement of a certificate as a quadratic form."""
     n = mbar.size
-    f, gamma = float(statement["scale"]), float(statement["level"])
-    armature, slack = array(statement["armature"]), array(statement["slack"])
+    f, gamma, kind = statement.scale, statement.level, statement.kind
+    armature, slack = np.array(statement.armature), np.array(statement.slack)
+    if slack.any():
+        slack = slack + SLACKER * (armature + slack)
     root = np.sqrt(mbar)
-    kind = statement["kind"]
     if kind in ("weighted", "bounded"):
         pairing, mixing = np.array([[1.0 if kind == "weighted" else -1.0]]), np.ones((n, 1, 1))
         own = armature - f * mbar / (1.0 + gamma) if kind == "weighted" else f * mbar / (1.0 - gamma) - armature - slack
@@ -80,10 +83,25 @@ def form_of(chain: Chain, mbar: Array, statement: dict[str, Any], lower: Array, 
             own[:, 0, 0], own[:, 1, 1] = 2.0 * armature - f * mbar, f * mbar
             own[:, 0, 1] = own[:, 1, 0] = s * armature
             own -= (slack * abs(float(least)))[:, None, None] * np.outer(direction, direction)
-        elif kind != "lemma1":
-            raise ValueError(f"'{kind}' is no kind of statement")
     exact = bool(n > 1 and chain.parent[1] == 0 and not chain.slides[1])
     return Form(chain, pairing, mixing, own, exact, (float(lower[1]), float(upper[1])) if exact else (0.0, 0.0))
+
+
+def joint_space(form: Form, q: Array) -> Array:
+    """The form's matrix in joint velocities at configurations q (..., n), result (..., n e, n e)."""
+    n, e = form.chain.parent.size, form.mixing.shape[2]
+    weights = np.einsum("ipk,pr,jrl->ijkl", form.mixing, form.pairing, form.mixing)
+    M = form.chain.mass_matrix(q, np.zeros(n))
+    P = np.einsum("...ij,ijkl->...ikjl", M, weights)
+    k = np.arange(n)
+    P[..., k, :, k, :] += form.own.reshape(n, *(1,) * (P.ndim - 4), e, e)
+    return np.asarray(P.reshape(*P.shape[:-4], n * e, n * e))
+
+
+def least_eigenvalues(form: Form, q: Array) -> Array:
+    """The least eigenvalue of that matrix over the largest, q (..., n), result (...)."""
+    values = np.linalg.eigvalsh(joint_space(form, q))
+    return np.asarray(values[..., 0] / np.abs(values[..., -1]))
 
 
 def metrics(form: Form, c: Array) -> tuple[list[Array], list[Array], list[Array], Array]:
@@ -95,22 +113,13 @@ def metrics(form: Form, c: Array) -> tuple[list[Array], list[Array], list[Array]
     chain = form.chain
     n, p, e = chain.parent.size, form.pairing.shape[0], form.mixing.shape[2]
     q = c.copy()
-    weights = np.einsum("ipk,pr,jrl->ijkl", form.mixing, form.pairing, form.mixing)
-
-    def joint_space(q: Array) -> Array:
-        M = chain.mass_matrix(q, np.zeros(n))
-        P = np.einsum("...ij,ijkl->...ikjl", M, weights)
-        k = np.arange(n)
-        P[..., k, :, k, :] += form.own[:, None] if P.ndim == 5 else form.own
-        return np.asarray(P.reshape(*P.shape[:-4], n * e, n * e))
-
     if form.exact:
         trial = np.linspace(*form.range_1, 25)
         many = np.repeat(q[:, None], trial.size, axis=1)
         many[:, :, 1] = trial
-        tried = np.stack([np.linalg.eigvalsh(joint_space(many[:, k]))[:, 0] for k in range(trial.size)], axis=1)
+        tried = np.stack([np.linalg.eigvalsh(joint_space(form, many[:, k]))[:, 0] for k in range(trial.size)], axis=1)
         q[:, 1] = trial[np.argmin(tried, axis=1)]
-    values, vectors = np.linalg.eigh(joint_space(q))
+    values, vectors = np.linalg.eigh(joint_space(form, q))
     least = values[:, 0] / np.abs(values[:, -1])
     values = np.maximum(values, 1e-9 * np.abs(values[:, -1:]))
     compliance = (vectors / values[:, None, :]) @ transposed(vectors)
