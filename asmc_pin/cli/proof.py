@@ -27,7 +27,7 @@ def check(
     certificate: Annotated[str, typer.Argument(metavar="CERTIFICATE", help="A file of 'verify --certificate'.")],
     as_json: JsonOption = False,
 ) -> None:
-    """Replay a certificate by another route.
+    """Replay a certificate by two other routes.
 
     Exit status 0: the certificate is valid and its M̄ proven; 1: not valid, or valid and a counter-example to its M̄,
     the text says which; 2: unreadable as a certificate; 3: valid, and its M̄ undecided.

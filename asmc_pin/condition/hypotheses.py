@@ -93,6 +93,7 @@ class Hypotheses:
             boxes around one motion's time slices, whose common range is `box`. ``boxes``: joint boxes, of which nothing
             else is known.
         parts: How many such boxes.
+        boxes: These, where it is more than one and they are known: lower and upper ends, each one per joint.
     """
 
     arm: str
@@ -108,10 +109,11 @@ class Hypotheses:
     box: Mapping[str, Interval]
     where: Where = "box"
     parts: int = 1
+    boxes: tuple[tuple[tuple[float, ...], tuple[float, ...]], ...] = ()
 
     def to_json_dict(self) -> dict[str, Any]:
         """The keys of ``verify --json`` that are hypotheses; names without control characters."""
-        return {
+        content = {
             "arm": printable(self.arm),
             "sha256": self.sha256,
             "joints": [printable(name) for name in self.joints],
@@ -123,6 +125,12 @@ class Hypotheses:
             "scope": self.where,
             "condition": self.condition,
         }
+        if self.boxes:
+            content["boxes"] = [
+                {printable(name): [lo, hi] for name, lo, hi in zip(self.joints, *ends, strict=True)}
+                for ends in self.boxes
+            ]
+        return content
 
     def rows(self) -> list[tuple[str, str]]:
         """Terms and what they are, for a page or a terminal."""

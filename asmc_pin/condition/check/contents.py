@@ -10,9 +10,13 @@ import math
 import re
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
 
 from asmc_pin.text import printable
+
+_ROUNDED = 1e-9
+"""Of a payload's largest principal moment: digits that somebody may have rounded."""
 
 _HEX = re.compile(r"-?0x[01]\.?[0-9a-f]{0,13}p[+-][0-9]{1,4}")
 
@@ -49,6 +53,17 @@ class Load(_Part):
     com: tuple[Hex, Hex, Hex]
     inertia: tuple[Hex, Hex, Hex, Hex, Hex, Hex]
     link: Name
+
+    @model_validator(mode="after")
+    def _of_a_body(self) -> Load:
+        """No body has a principal moment that is negative or more than the sum of the other two."""
+        xx, xy, xz, yy, yz, zz = self.inertia
+        moments = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+        allowed = _ROUNDED * float(np.abs(moments).max())
+        possible = moments[0] >= -allowed and moments[0] + moments[1] >= moments[2] - allowed
+        if not possible or (self.mass == 0.0 and any(self.inertia)):
+            raise ValueError("a payload has an inertia that no rigid body has")
+        return self
 
 
 class Case(_Part):

@@ -73,6 +73,7 @@ def subject(told: Contents, urdf: str, robot: Description, chain: Chain) -> Subj
         box=dict(zip(told.joints, hull, strict=True)),
         where="box" if len(boxes) == 1 else "boxes",
         parts=len(boxes),
+        boxes=tuple(boxes) if len(boxes) > 1 else (),
     )
     return Subject(hypotheses, tuple(_label(case, locked, loads, boxes) for case in cases))
 

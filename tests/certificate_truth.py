@@ -1,0 +1,88 @@
+"""Whether what a check printed is true, judged by Pinocchio and samples: without the checker, without the prover."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from asmc_pin import load_arm
+from asmc_pin.condition import lemma1_norm, weighted_norm
+from asmc_pin.condition.certificate.container import read
+from asmc_pin.errors import NotPositiveDefinite
+
+SAMPLES = 400
+
+
+def untruths(path: Path, said: Mapping[str, Any], folder: Path) -> list[str]:
+    """Sentences of a valid ``check --json`` that the arm inside the file contradicts.
+
+    Args:
+        path: The certificate.
+        said: What ``check --json`` printed.
+        folder: Where the URDF inside may be written.
+
+    Returns:
+        One line for each; empty where nothing was found that is false.
+    """
+    urdf = folder / "inside.urdf"
+    urdf.write_text(read(path).urdf, encoding="utf-8")
+    arms = list(_arms(urdf, said))
+    if any(list(arm.joint_names) != said["joints"] for arm in arms):
+        return ["the joints are others"]
+    rng = np.random.default_rng(0)
+    boxes = said.get("boxes") or [said["box"]]
+    norm = {"lemma1": lemma1_norm, "weighted": weighted_norm}[said["condition"]]
+    mbar = np.array(said["mbar"])
+    found = []
+    largest, largest_scaled = 0.0, 0.0
+    for arm, box in product(arms, boxes):
+        lower, upper = np.array([box[name] for name in said["joints"]]).T
+        corners = rng.choice([0.0, 0.5, 1.0], size=(SAMPLES, lower.size))
+        share = np.concatenate((rng.random((SAMPLES, lower.size)), corners))
+        mass = arm.mass_matrix(lower + share * (upper - lower))
+        try:
+            largest = max(largest, float(norm(mass, mbar).max()))
+            if said["scale_proven"] > 0.0:
+                largest_scaled = max(largest_scaled, float(norm(mass, said["scale_proven"] * mbar).max()))
+        except NotPositiveDefinite:
+            found.append("M is not positive definite")
+    if said["scale_proven"] > 0.0 and largest_scaled >= 1.0:
+        found.append(f"the norm at the scale that is proven is {largest_scaled}")
+    if said["upper"] is not None and largest >= said["upper"]:
+        found.append(f"the norm is {largest}, above the bound {said['upper']}")
+    if said["verdict"] == "holds" and largest >= 1.0:
+        found.append(f"it says holds, and the norm is {largest}")
+    if said["upper"] is not None and said["lower"] >= said["upper"]:
+        found.append("its own two bounds contradict each other")
+    if said["verdict"] == "violated" and not (said["lower"] >= 1.0 or said["scale_refuted"] <= 1.0):
+        found.append("it says violated, and shows no violation")
+    return found
+
+
+def _arms(urdf: Path, said: Mapping[str, Any]) -> Any:
+    """The arms that the hypotheses name: every lock, both ends of the payload, both ends of the armature."""
+    names = list(said["locked"])
+    angles = [value if isinstance(value, list) else [value] for value in said["locked"].values()]
+    ends = [value if isinstance(value, list) else [value, value] for value in said["armature"]]
+    payload = said["payload"]
+    loads: list[Any] = [None]
+    if payload is not None:
+        masses = payload["mass"] if isinstance(payload["mass"], list) else [payload["mass"]]
+        heaviest = payload.get("inertia", [0.0] * 6)
+        shapes = [payload.get("inertia_lightest", heaviest), heaviest][-len(masses) :]
+        loads = [
+            {
+                "mass": mass,
+                "com": payload["com"],
+                "link": payload["link"],
+                "inertia": shape if mass > 0.0 else [0.0] * 6,
+            }
+            for mass, shape in zip(masses, shapes, strict=True)
+        ]
+    for chosen, load, end in product(product(*angles), loads, (0, 1)):
+        lock = dict(zip(names, chosen, strict=True))
+        yield load_arm(urdf, payload=load, lock=lock or None, armature=[pair[end] for pair in ends])
