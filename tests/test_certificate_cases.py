@@ -1,0 +1,60 @@
+"""Certificates that strangers made, by hand and by accident: what `asmc-pin check` once said of each was false.
+
+``forge1``: M̄ = 100 on the two-link arm (norm 4385), no statement, every figure NaN. ``forge2``: a true proof of the
+two-link arm under another arm's name and hash. ``viol_nan``: a refuted scale that is NaN. ``levelinf``: an infinite
+level. The rest: damaged, foreign and deeply nested files.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from asmc_pin.cli import main
+
+CASES = Path(__file__).parent / "cases" / "certificates"
+
+
+def checked(name: str, capsys: pytest.CaptureFixture[str], *options: str) -> tuple[int, str, str]:
+    with pytest.raises(SystemExit) as stop:
+        main(["check", str(CASES / name), *options])
+    out, err = capsys.readouterr()
+    assert isinstance(stop.value.code, int)
+    return stop.value.code, out, err
+
+
+@pytest.mark.parametrize("name", ["forge1.json", "viol_nan.npz", "levelinf.npz"])
+def test_a_forged_certificate_is_not_valid(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    status, out, _ = checked(name, capsys)
+    assert status == 1
+    assert "NOT VALID: it proves nothing" in out
+    assert "holds" not in out
+    assert "violated" not in out
+    status, out, _ = checked(name, capsys, "--json")
+    said = json.loads(out)
+    assert status == 1
+    assert (said["valid"], said["verdict"], said["arm"], said["scale_proven"]) == (False, None, None, None)
+    assert said["problems"]
+
+
+def test_a_certificate_names_the_arm_that_is_inside(capsys: pytest.CaptureFixture[str]) -> None:
+    status, out, _ = checked("forge2.json", capsys)
+    assert status == 0
+    assert "two_link" in out
+    assert "ur5" not in out
+    assert "cede880f" not in out
+    _, out, _ = checked("forge2.json", capsys, "--json")
+    said = json.loads(out)
+    assert said["arm"] == "two_link"
+    assert said["sha256"].startswith("c912102b")
+    assert said["box"]["joint_2"] == pytest.approx([-3.14159, 3.14159], abs=1e-4)
+
+
+@pytest.mark.parametrize("name", ["flip10.npz", "plain.npy", "deep.npz"])
+def test_a_file_that_is_no_certificate_is_bad_input(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    status, out, err = checked(name, capsys)
+    assert (status, out) == (2, "")
+    assert err.count("\n") == 1
+    assert "is not a certificate" in err
