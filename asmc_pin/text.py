@@ -3,8 +3,26 @@
 from __future__ import annotations
 
 import unicodedata
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 
 _LONGEST = 200
+
+_UNSEEN = {
+    0x034F,
+    0x115F,
+    0x1160,
+    0x17B4,
+    0x17B5,
+    0x2800,
+    0x3164,
+    0xFFA0,
+    *range(0x180B, 0x1810),
+    *range(0xFE00, 0xFE10),
+}
+"""Letters and marks that show as nothing or as a blank."""
+
+_STRIKING = {*range(0x0334, 0x0339), *range(0x20D0, 0x20F1)}
+"""Marks that strike through or surround what stands before them."""
 
 
 def printable(text: str) -> str:
@@ -21,7 +39,34 @@ def printable(text: str) -> str:
     """
     if len(text) > _LONGEST:
         text = f"{text[: _LONGEST // 2]}…{text[-_LONGEST // 4 :]}"
-    return "".join(c if c == " " or unicodedata.category(c)[0] not in "CZ" else _escaped(c) for c in text)
+    return "".join(c if _harmless(c) else _escaped(c) for c in text)
+
+
+def quoted(name: str) -> str:
+    """A name within a sentence: in quotes that it cannot close, so that it is not taken for what the tool says."""
+    return "'" + printable(name).replace("\\", "\\\\").replace("'", "\\'") + "'"
+
+
+def rounded_down(value: float, digits: int = 6) -> str:
+    """A number with so many digits that is not above the value."""
+    return _rounded(value, digits, ROUND_FLOOR)
+
+
+def rounded_up(value: float, digits: int = 6) -> str:
+    """A number with so many digits that is not below the value."""
+    return _rounded(value, digits, ROUND_CEILING)
+
+
+def _rounded(value: float, digits: int, way: str) -> str:
+    rounded = Context(prec=digits, rounding=way).create_decimal(Decimal(value))
+    return f"{float(rounded):.{digits}g}"
+
+
+def _harmless(character: str) -> bool:
+    code = ord(character)
+    if character == " ":
+        return True
+    return unicodedata.category(character)[0] not in "CZ" and code not in _UNSEEN and code not in _STRIKING
 
 
 def _escaped(character: str) -> str:

@@ -8,6 +8,10 @@ from numba import njit
 from asmc_pin._typing import Array
 from asmc_pin.condition.certificate.kernels_state import Problem, Scratch
 
+LIFT = 0.03
+"""Least pivot of a metric over its diagonal. A point mass resists no turning about itself, yet a turn of the joint
+takes it elsewhere: in a metric that is singular at the cell's centre the loss between two angles has no bound."""
+
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _lower_factor(A: Array, L: Array) -> None:
@@ -23,7 +27,7 @@ def _lower_factor(A: Array, L: Array) -> None:
         s = A[i, i]
         for q in range(i):
             s -= L[i, q] * L[i, q]
-        L[i, i] = np.sqrt(max(s, 1e-9 * abs(A[i, i]) + 1e-12))
+        L[i, i] = np.sqrt(max(s, LIFT * abs(A[i, i]) + 1e-12))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

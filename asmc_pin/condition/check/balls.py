@@ -14,8 +14,19 @@ from typing import Literal, TypeAlias
 
 from flint import arb, arb_mat
 
+from asmc_pin.condition.check.ball_geometry import (
+    about,
+    column,
+    cross,
+    dot,
+    normalised,
+    rotation,
+    symmetric,
+    unit,
+    zero,
+)
 from asmc_pin.condition.check.contents import Load, Statement
-from asmc_pin.condition.check.urdf_text import Decimals, Description, Pose
+from asmc_pin.condition.check.urdf_text import Description
 
 Verdict: TypeAlias = Literal["true", "false", "open"]
 """Whether it is so for all numbers in the balls, false for at least one, or neither by these balls."""
@@ -56,39 +67,39 @@ class BallArm:
         total = [[arb(0)] * n for _ in range(n)]
         for i in range(n):
             total[i][i] = armature[i]
-        waiting: list[tuple[str, arb_mat, arb_mat, tuple[_Above, ...]]] = [(self._robot.root, _unit(), _zero(), ())]
+        waiting: list[tuple[str, arb_mat, arb_mat, tuple[_Above, ...]]] = [(self._robot.root, unit(), zero(), ())]
         while waiting:
             name, turn, place, above = waiting.pop()
             body = self._robot.bodies[name]
             if above and body is not None:
-                mass, about = arb(body.mass), _symmetric([arb(x) for x in body.inertia])
-                _add(total, mass, about, turn, place, _rotation(body.pose), _column(body.pose.xyz), above)
+                mass, tensor = arb(body.mass), symmetric([arb(x) for x in body.inertia])
+                _add(total, mass, tensor, turn, place, rotation(body.pose), column(body.pose.xyz), above)
             if above and self._payload is not None and self._payload.link == name:
                 load = self._payload
-                about = _symmetric([arb(x) for x in load.inertia])
+                tensor = symmetric([arb(x) for x in load.inertia])
                 com = arb_mat(3, 1, [arb(x) for x in load.com])
-                _add(total, arb(load.mass), about, turn, place, _unit(), com, above)
+                _add(total, arb(load.mass), tensor, turn, place, unit(), com, above)
             for joint in self._robot.children.get(name, ()):
-                there, at = turn * _rotation(joint.pose), place + turn * _column(joint.pose.xyz)
+                there, at = turn * rotation(joint.pose), place + turn * column(joint.pose.xyz)
                 number = self._index.get(joint.name) if joint.kind != "fixed" else None
                 if joint.kind == "fixed":
                     waiting.append((joint.child, there, at, above))
                     continue
-                along, slides = _normalised(joint.axis), joint.kind == "prismatic"
+                along, slides = normalised(joint.axis), joint.kind == "prismatic"
                 by = arb(self._locked[joint.name]) if number is None else q[number]
                 axis = there * along
                 beyond = above if number is None else (*above, _Above(number, slides, axis, at))
                 if slides:
                     waiting.append((joint.child, there, at + axis * by, beyond))
                 else:
-                    waiting.append((joint.child, there * _turned(along, by), at, beyond))
+                    waiting.append((joint.child, there * about(along, by), at, beyond))
         return arb_mat(total)
 
 
 def _add(
     total: list[list[arb]],
     mass: arb,
-    about: arb_mat,
+    tensor: arb_mat,
     turn: arb_mat,
     place: arb_mat,
     pose: arb_mat,
@@ -97,16 +108,16 @@ def _add(
 ) -> None:
     """Add m Jᵀ J of a body's centre and Jᵀ I J of its turning to the inertia matrix."""
     at, turned = place + turn * com, turn * pose
-    inertia = turned * about * turned.transpose()
+    inertia = turned * tensor * turned.transpose()
     columns = []
     for joint in above:
-        linear = joint.axis if joint.slides else _cross(joint.axis, at - joint.place)
-        angular = _zero() if joint.slides else joint.axis
+        linear = joint.axis if joint.slides else cross(joint.axis, at - joint.place)
+        angular = zero() if joint.slides else joint.axis
         columns.append((joint.number, linear, angular, inertia * angular))
     for i, linear, angular, _ in columns:
         for j, other, _, moment in columns:
             if j <= i:
-                value = mass * _dot(linear, other) + _dot(angular, moment)
+                value = mass * dot(linear, other) + dot(angular, moment)
                 total[i][j] = total[i][j] + value
                 total[j][i] = total[i][j]
 
@@ -166,16 +177,16 @@ def norm_bound(
     except ZeroDivisionError:
         return None
     u = arb_mat(n, 1, [arb(x) for x in direction])
-    if not _dot(u, u) > 0:
+    if not dot(u, u) > 0:
         return None
     if condition == "weighted":
         root = [arb(m).sqrt() for m in mbar]
         scaled = arb_mat(
             [[arb(int(i == j)) - f * root[i] * inverse[i, j] * root[j] for j in range(n)] for i in range(n)]
         )
-        return abs(_dot(u, scaled * u)) / _dot(u, u)
+        return abs(dot(u, scaled * u)) / dot(u, u)
     image = _error(inverse, f, mbar) * u
-    return (_dot(image, image) / _dot(u, u)).sqrt()
+    return (dot(image, image) / dot(u, u)).sqrt()
 
 
 def no_multiple(mass: arb_mat, mbar: Sequence[float], direction: Sequence[float]) -> bool:
@@ -187,7 +198,7 @@ def no_multiple(mass: arb_mat, mbar: Sequence[float], direction: Sequence[float]
         return False
     u = arb_mat(n, 1, [arb(x) for x in direction])
     image = inverse * arb_mat(n, 1, [arb(m) * arb(x) for m, x in zip(mbar, direction, strict=True)])
-    return bool(_dot(u, u) > 0) and bool(_dot(u, image) <= 0)
+    return bool(dot(u, u) > 0) and bool(dot(u, image) <= 0)
 
 
 def downward(number: arb) -> float:
@@ -197,49 +208,3 @@ def downward(number: arb) -> float:
         return -math.inf
     value = float(lower.mid())
     return value if lower >= value else math.nextafter(value, -math.inf)
-
-
-def _unit() -> arb_mat:
-    return arb_mat([[1, 0, 0], [0, 1, 0], [0, 0, 1]])
-
-
-def _zero() -> arb_mat:
-    return arb_mat(3, 1)
-
-
-def _column(values: Decimals) -> arb_mat:
-    return arb_mat(3, 1, [arb(x) for x in values])
-
-
-def _dot(a: arb_mat, b: arb_mat) -> arb:
-    return (a.transpose() * b)[0, 0]
-
-
-def _cross(a: arb_mat, b: arb_mat) -> arb_mat:
-    (x, y, z), (u, v, w) = ([m[k, 0] for k in range(3)] for m in (a, b))
-    return arb_mat(3, 1, [y * w - z * v, z * u - x * w, x * v - y * u])
-
-
-def _symmetric(entries: Sequence[arb]) -> arb_mat:
-    xx, xy, xz, yy, yz, zz = entries
-    return arb_mat([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-
-
-def _normalised(axis: Decimals) -> arb_mat:
-    column = _column(axis)
-    return column * (1 / _dot(column, column).sqrt())
-
-
-def _turned(axis: arb_mat, angle: arb) -> arb_mat:
-    """Rotation about a unit axis (Rodrigues)."""
-    x, y, z = (axis[k, 0] for k in range(3))
-    K = arb_mat([[arb(0), -z, y], [z, arb(0), -x], [-y, x, arb(0)]])
-    sine, versine = angle.sin(), 2 * (angle / 2).sin() ** 2
-    return _unit() + K * sine + K * K * versine
-
-
-def _rotation(pose: Pose) -> arb_mat:
-    """Roll about x, then pitch about y, then yaw about z, all fixed axes."""
-    roll, pitch, yaw = (arb(x) for x in pose.rpy)
-    axes = [_column(axis) for axis in (("0", "0", "1"), ("0", "1", "0"), ("1", "0", "0"))]
-    return _turned(axes[0], yaw) * _turned(axes[1], pitch) * _turned(axes[2], roll)

@@ -200,7 +200,7 @@ def _follow(form: Form, A: Array, F: Array) -> BoolArray:
         todo = ~(done | failed)
         q = np.linspace(lower, upper, count + 1)
         basis = np.stack((np.ones_like(q), np.cos(q), np.sin(q), np.cos(2 * q), np.sin(2 * q)))
-        step = (upper - lower) / count * (1.0 + _SLACK) + 1e-14
+        step = float(np.diff(q).max(initial=0.0)) * (1.0 + _SLACK) + 4.0 * np.finfo(np.float64).eps * abs(q).max()
         least = np.full(int(todo.sum()), np.inf)
         chosen = np.ascontiguousarray(C[:, todo])
         for start in range(0, count + 1, 256):

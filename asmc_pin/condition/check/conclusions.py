@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Literal, TypeAlias
 
-from asmc_pin.condition.check.contents import Case, Contents, Statement
+from asmc_pin.condition.check.contents import Case, Contents, Malformed, Statement
 
 Verdict: TypeAlias = Literal["holds", "violated", "undecided"]
 
@@ -98,6 +98,25 @@ def disagreements(told: Contents, found: Conclusion) -> list[str]:
     if not told.statements and found.verdict != "violated":
         said.append("it proves nothing and shows no violation")
     return said
+
+
+def armature_words(told: Contents, statement: Statement) -> str:
+    """At which corner of its case's range of the armature a statement is proven; empty where it is the whole range.
+
+    Raises:
+        Malformed: It is about an armature, or a factor of M̄, that the certificate says nothing about.
+    """
+    case = told.cases[statement.case]
+    low, high = case.armature_lower, case.armature_upper
+    if statement.kind in ("bounded", "level") and statement.scale != 1.0:
+        raise Malformed(f"a statement '{statement.kind}' is not about M̄ itself")
+    whole = statement.armature == low
+    if statement.kind in ("bounded", "level"):
+        whole = whole and _below(high, _with_slack(statement))
+    corner = all(a in ends for a, *ends in zip(statement.armature, low, high, strict=True))
+    if not whole and not (statement.kind == "level" and corner and not any(statement.slack)):
+        raise Malformed(f"a statement '{statement.kind}' is about another armature than the certificate")
+    return "" if whole else f"armature {', '.join(f'{a!r}' for a in statement.armature)} kg·m²"
 
 
 def _scale(condition: str, own: Sequence[Statement], case: Case) -> float:

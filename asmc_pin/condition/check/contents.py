@@ -11,7 +11,16 @@ import re
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    FailFast,
+    Field,
+    ValidationError,
+    model_validator,
+)
 
 from asmc_pin.text import printable
 
@@ -21,6 +30,15 @@ _ROUNDED = 1e-9
 _HEX = re.compile(r"-?0x[01]\.?[0-9a-f]{0,13}p[+-][0-9]{1,4}")
 
 
+FARTHEST = 1e4
+"""Largest angle, rad, or slide, m: far from zero floats lie too far apart for what is done with angles."""
+
+_LONGEST = 10_000
+"""Items of a list; also statements and cases."""
+
+_DEEPEST = 20
+
+
 class Malformed(ValueError):
     """The header is not one of a certificate; the message says where and why."""
 
@@ -28,15 +46,26 @@ class Malformed(ValueError):
 def _from_hex(value: object) -> float:
     if not isinstance(value, str) or not _HEX.fullmatch(value):
         raise ValueError("a hexadecimal float expected")
-    number = float.fromhex(value)
+    try:
+        number = float.fromhex(value)
+    except OverflowError:
+        raise ValueError("a finite number expected") from None
     if not math.isfinite(number):
         raise ValueError("a finite number expected")
     return number
 
 
+def _shown(name: str) -> str:
+    if name != printable(name):
+        raise ValueError("a name that can be shown as it is expected")
+    return name
+
+
 Hex = Annotated[float, BeforeValidator(_from_hex)]
 Row = Annotated[tuple[Hex, ...], Field(min_length=1, max_length=64)]
-Name = Annotated[str, Field(min_length=1, max_length=1000)]
+Name = Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(_shown)]
+Angle = Annotated[Hex, Field(ge=-FARTHEST, le=FARTHEST)]
+Angles = Annotated[tuple[Angle, ...], Field(min_length=1, max_length=64)]
 Figure = Annotated[float, Field(allow_inf_nan=False)]
 Text = Annotated[str, Field(max_length=100_000)]
 Index = Annotated[int, Field(ge=0, lt=100_000)]
@@ -70,14 +99,19 @@ class Case(_Part):
     """One arm and joint box of those that the statements speak of."""
 
     label: Text
-    locked: dict[Name, Hex]
+    locked: dict[Name, Angle]
     payload: Load | None
-    lower: Row
-    upper: Row
+    lower: Angles
+    upper: Angles
     armature_lower: Row
     armature_upper: Row
-    sample_q: Annotated[tuple[Row, ...], Field(min_length=1, max_length=64)]
+    sample_q: Annotated[tuple[Angles, ...], Field(min_length=1, max_length=64)]
     sample_mass: Annotated[tuple[tuple[Row, ...], ...], Field(min_length=1, max_length=64)]
+
+    @property
+    def load(self) -> Load | None:
+        """What is carried; a payload without mass is none."""
+        return self.payload if self.payload is not None and self.payload.mass > 0.0 else None
 
 
 class Statement(_Part):
@@ -108,7 +142,7 @@ class Seen(_Part):
     """A configuration with its case and armature."""
 
     case: Index
-    q: Row
+    q: Angles
     armature: Row
 
 
@@ -131,8 +165,9 @@ class Contents(_Part):
     lower: Annotated[Figure, Field(ge=0.0)]
     worst: Seen
     refuted: Seen
-    cases: Annotated[tuple[Case, ...], Field(min_length=1)]
-    statements: tuple[Statement, ...]
+    # The first bad one is enough: a message for each of many costs more than the file.
+    cases: Annotated[tuple[Case, ...], Field(min_length=1), FailFast()]
+    statements: Annotated[tuple[Statement, ...], FailFast()]
     digest: Text
 
     @model_validator(mode="after")
@@ -182,9 +217,11 @@ def contents(header: dict[str, Any]) -> Contents:
         ) from None
 
 
-def _frozen(value: Any) -> Any:
+def _frozen(value: Any, depth: int = 0) -> Any:
+    if isinstance(value, list | dict) and (len(value) > _LONGEST or depth > _DEEPEST):
+        raise Malformed("the header is not a certificate's: it has lists that are longer or deeper than any needs")
     if isinstance(value, list):
-        return tuple(_frozen(item) for item in value)
+        return tuple(_frozen(item, depth + 1) for item in value)
     if isinstance(value, dict):
-        return {key: _frozen(item) for key, item in value.items()}
+        return {key: _frozen(item, depth + 1) for key, item in value.items()}
     return value

@@ -1,4 +1,4 @@
-"""The arm of a certificate in floating point, for the replay of the boxes."""
+"""The arm of a certificate in floating point, for the replay of the boxes; rounded once, from balls."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from flint import arb, arb_mat, ctx
 
 from asmc_pin._typing import Array, BoolArray, IntArray
+from asmc_pin.condition.check.ball_geometry import about, column, normalised, rotation, still, symmetric
 from asmc_pin.condition.check.contents import Load
-from asmc_pin.condition.check.urdf_text import Body, Decimals, Description, Pose, Unreadable
+from asmc_pin.condition.check.urdf_text import Description, Joint, Unreadable
 from asmc_pin.text import printable
 
 
@@ -83,7 +85,10 @@ def cross(v: Array) -> Array:
 
 
 def chain_of(robot: Description, joints: Sequence[str], locked: Mapping[str, float], payload: Load | None) -> Chain:
-    """The chain of a robot's moving joints.
+    """The chain of a robot's moving joints: each of its numbers is the nearest float to what the decimals say.
+
+    Poses that cancel, or a centre of mass far from its joint, would cost digits in floating point that no allowance for
+    rounding speaks of; so everything up to here is done in balls.
 
     Args:
         robot: The robot.
@@ -97,107 +102,111 @@ def chain_of(robot: Description, joints: Sequence[str], locked: Mapping[str, flo
     Raises:
         Unreadable: The robot does not have these joints, or others that move.
     """
-    index = {name: i for i, name in enumerate(joints)}
-    n = len(joints)
-    parent, place = np.full(n, -2, dtype=np.int64), np.zeros((n, 4, 4))
-    axis, slides, inertia = np.zeros((n, 3)), np.zeros(n, dtype=np.bool_), np.zeros((n, 6, 6))
-    held = set()
-    if payload is not None and payload.link not in robot.bodies:
-        raise Unreadable(f"the payload is on link '{printable(payload.link)}', which the URDF does not have")
-    waiting = [(robot.root, -1, np.eye(4))]
-    while waiting:
-        name, body, pose = waiting.pop()
-        if body >= 0:
-            own = robot.bodies[name]
-            if own is not None:
-                inertia[body] += _moved(pose, _inertia(own))
-            if payload is not None and payload.link == name:
-                load = _spatial(payload.mass, np.array(payload.com), _symmetric(np.array(payload.inertia)))
-                inertia[body] += _moved(pose, load)
-        for joint in robot.children.get(name, ()):
-            at, along, moves = pose @ _origin(joint.pose), _axis(joint.axis), joint.kind != "fixed"
-            if moves and joint.name in index:
-                if joint.mimics:
-                    raise Unreadable(
-                        f"joint '{printable(joint.name)}' of the URDF follows another, which is not checked"
-                    )
-                i = index[joint.name]
-                parent[i], place[i], axis[i], slides[i] = body, at, along, joint.kind == "prismatic"
-                waiting.append((joint.child, i, np.eye(4)))
-                continue
-            if moves:
-                if joint.name not in locked:
-                    raise Unreadable(
-                        f"joint '{printable(joint.name)}' of the URDF moves, and the certificate neither moves nor "
-                        "locks it"
-                    )
-                held.add(joint.name)
-                at = at @ _motion(along, locked[joint.name], joint.kind == "prismatic")
-            waiting.append((joint.child, body, at))
-    if np.any(parent == -2) or np.any(parent >= np.arange(n)):
-        raise Unreadable("the certificate's joints are not the URDF's, base first")
-    if held != set(locked):
-        raise Unreadable("the certificate locks joints that the URDF does not have")
-    return Chain(parent, place, axis, slides, inertia)
+    with ctx.workprec(_BITS):
+        return _Reader(robot, joints, locked, payload).chain()
 
 
-def _floats(values: Decimals) -> Array:
-    return np.array([float(x) for x in values])
+_BITS = 256
+_SURE = 1e-15
+"""Largest share of a number that its ball may leave open."""
 
 
-def _axis(axis: Decimals) -> Array:
-    along = _floats(axis)
-    length = float(np.linalg.norm(along))
-    return along / length if length > 0.0 else along
+class _Reader:
+    """Walks a robot from its root, carrying poses in balls."""
+
+    def __init__(
+        self, robot: Description, joints: Sequence[str], locked: Mapping[str, float], payload: Load | None
+    ) -> None:
+        if payload is not None and payload.link not in robot.bodies:
+            raise Unreadable(f"the payload is on link '{printable(payload.link)}', which the URDF does not have")
+        self._robot, self._locked, self._payload = robot, locked, payload
+        self._index = {name: i for i, name in enumerate(joints)}
+        n = len(joints)
+        self._parent = np.full(n, -2, dtype=np.int64)
+        self._slides = np.zeros(n, dtype=np.bool_)
+        self._place, self._axis = np.zeros((n, 4, 4)), np.zeros((n, 3))
+        self._inertia = [arb_mat(6, 6) for _ in range(n)]
+        self._held: set[str] = set()
+
+    def chain(self) -> Chain:
+        waiting = [(self._robot.root, -1, *still())]
+        while waiting:
+            name, body, turn, place = waiting.pop()
+            if body >= 0:
+                self._inertia[body] += self._carried(name, turn, place)
+            children = self._robot.children.get(name, ())
+            waiting += [(joint.child, *self._beyond(joint, body, turn, place)) for joint in children]
+        if np.any(self._parent == -2) or np.any(self._parent >= np.arange(self._parent.size)):
+            raise Unreadable("the certificate's joints are not the URDF's, base first")
+        if self._held != set(self._locked):
+            raise Unreadable("the certificate locks joints that the URDF does not have")
+        inertia = np.array([_floats(matrix) for matrix in self._inertia])
+        return Chain(self._parent, self._place, self._axis, self._slides, inertia)
+
+    def _beyond(self, joint: Joint, body: int, turn: arb_mat, place: arb_mat) -> tuple[int, arb_mat, arb_mat]:
+        """The body that a joint's child moves with, and the child's pose in that body's frame."""
+        at = place + turn * column(joint.pose.xyz)
+        turned = turn * rotation(joint.pose)
+        if joint.kind == "fixed":
+            return body, turned, at
+        along, slides = normalised(joint.axis), joint.kind == "prismatic"
+        if joint.name in self._index:
+            if joint.mimics:
+                raise Unreadable(f"joint '{joint.name}' of the URDF follows another joint")
+            i = self._index[joint.name]
+            self._parent[i], self._slides[i] = body, slides
+            self._axis[i] = _floats(along)[:, 0]
+            self._place[i, :3, :3], self._place[i, :3, 3], self._place[i, 3, 3] = (
+                _floats(turned),
+                _floats(at)[:, 0],
+                1.0,
+            )
+            return i, *still()
+        if joint.name not in self._locked:
+            raise Unreadable(f"joint '{joint.name}' of the URDF moves, and the certificate neither moves nor locks it")
+        self._held.add(joint.name)
+        by = arb(self._locked[joint.name])
+        return (body, turned, at + turned * along * by) if slides else (body, turned * about(along, by), at)
+
+    def _carried(self, name: str, turn: arb_mat, place: arb_mat) -> arb_mat:
+        """Spatial inertia of a link and of the payload on it, in the frame of the body that it moves with."""
+        total = arb_mat(6, 6)
+        own = self._robot.bodies[name]
+        if own is not None:
+            turned = turn * rotation(own.pose)
+            tensor = turned * symmetric([arb(x) for x in own.inertia]) * turned.transpose()
+            total += _spatial(arb(own.mass), place + turn * column(own.pose.xyz), tensor)
+        if self._payload is not None and self._payload.link == name:
+            load = self._payload
+            tensor = turn * symmetric([arb(x) for x in load.inertia]) * turn.transpose()
+            total += _spatial(arb(load.mass), place + turn * arb_mat(3, 1, [arb(x) for x in load.com]), tensor)
+        return total
 
 
-def _origin(origin: Pose) -> Array:
-    pose = np.eye(4)
-    pose[:3, 3] = _floats(origin.xyz)
-    roll, pitch, yaw = _floats(origin.rpy)
-    pose[:3, :3] = _turn(2, yaw) @ _turn(1, pitch) @ _turn(0, roll)
-    return pose
+def _floats(matrix: arb_mat) -> Array:
+    """The nearest floats to a matrix of balls.
 
-
-def _turn(axis: int, angle: float) -> Array:
-    return _motion(np.eye(3)[axis], angle, False)[:3, :3]
-
-
-def _motion(axis: Array, q: float, slides: bool) -> Array:
-    pose = np.eye(4)
-    if slides:
-        pose[:3, 3] = axis * q
-    else:
-        K = cross(axis)
-        pose[:3, :3] = np.eye(3) + np.sin(q) * K + (1.0 - np.cos(q)) * K @ K
-    return pose
-
-
-def _inertia(body: Body) -> Array:
-    pose = _origin(body.pose)
-    about = pose[:3, :3] @ _symmetric(_floats(body.inertia)) @ pose[:3, :3].T
-    return _spatial(float(body.mass), pose[:3, 3], about)
-
-
-def _symmetric(entries: Array) -> Array:
-    xx, xy, xz, yy, yz, zz = entries
-    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-
-
-def _spatial(mass: float, com: Array, about_com: Array) -> Array:
-    """Spatial inertia at the frame's origin: kinetic energy of a body as a form of its twist."""
-    c = cross(com)
-    out = np.empty((6, 6))
-    out[:3, :3] = about_com + mass * c @ c.T
-    out[:3, 3:], out[3:, :3] = mass * c, mass * c.T
-    out[3:, 3:] = mass * np.eye(3)
+    Raises:
+        Unreadable: The balls are too wide to say.
+    """
+    out = np.empty((matrix.nrows(), matrix.ncols()))
+    for i, j in np.ndindex(*out.shape):
+        value = matrix[i, j]
+        out[i, j] = float(value.mid())
+        if not float(value.rad()) <= _SURE * abs(out[i, j]) + 1e-40:
+            raise Unreadable("the numbers of the URDF cancel so far that nothing is left of them")
     return out
 
 
-def _moved(pose: Array, inertia: Array) -> Array:
-    """An inertia in a frame at `pose`, seen from the frame that the pose is in."""
-    X = np.zeros((6, 6))
-    back = pose[:3, :3].T
-    X[:3, :3] = X[3:, 3:] = back
-    X[3:, :3] = -back @ cross(pose[:3, 3])
-    return X.T @ inertia @ X
+def _spatial(mass: arb, com: arb_mat, about_com: arb_mat) -> arb_mat:
+    """Spatial inertia at the frame's origin: kinetic energy of a body as a form of its twist."""
+    x, y, z = (com[k, 0] for k in range(3))
+    c = arb_mat([[arb(0), -z, y], [z, arb(0), -x], [-y, x, arb(0)]])
+    turning = about_com + c * c.transpose() * mass
+    rows = [[arb(0)] * 6 for _ in range(6)]
+    for i in range(3):
+        rows[3 + i][3 + i] = mass
+        for j in range(3):
+            rows[i][j] = turning[i, j]
+            rows[i][3 + j] = rows[3 + j][i] = mass * c[i, j]
+    return arb_mat(rows)

@@ -8,7 +8,7 @@ from typing import Any
 from asmc_pin.condition.check.conclusions import Conclusion
 from asmc_pin.condition.check.spot_checks import Spots
 from asmc_pin.condition.hypotheses import Hypotheses
-from asmc_pin.text import printable
+from asmc_pin.text import printable, rounded_down, rounded_up
 
 
 @dataclass(frozen=True)
@@ -104,23 +104,24 @@ class CheckResult:
 
 
 def _shown(found: Conclusion) -> str:
-    said = f"the condition is proven for M̄ × {found.scale_proven:.6g}" if found.scale_proven > 0.0 else ""
+    scale = rounded_down(found.scale_proven)
+    said = f"the condition is proven for M̄ × {scale}" if found.scale_proven > 0.0 else ""
     parts = [said] if said else []
     if found.scale_refuted is not None:
         parts.append(
-            f"broken for M̄ × {found.scale_refuted:.6g}"
+            f"broken for M̄ × {rounded_up(found.scale_refuted)}"
             if found.scale_refuted > 0.0
             else "broken for every multiple of M̄"
         )
-    parts.append(f"the norm is {found.lower:.6g} at the worst configuration known")
+    parts.append(f"the norm is at least {rounded_down(found.lower)} at the worst configuration known")
     if found.upper is not None:
-        parts.append(f"and proven to be below {found.upper:.6g}")
+        parts.append(f"and proven to be below {rounded_up(found.upper)}")
     return ", ".join(parts)
 
 
 def _line(s: CheckedStatement) -> str:
     where = f" ({s.case})" if s.case else ""
     return (
-        f"  {s.kind}, scale {s.scale:.6g}, level {s.level:.6g}{where}: {s.boxes} boxes cover the joint box, "
-        f"{'all proven again' if s.proven else 'not all proven again'} ({s.halved} halved further)"
+        f"  {s.kind}, scale {rounded_down(s.scale)}, level {rounded_up(s.level)}{where}: {s.boxes} boxes cover the "
+        f"joint box, {'all proven again' if s.proven else 'not all proven again'} ({s.halved} halved further)"
     )

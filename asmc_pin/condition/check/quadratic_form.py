@@ -13,7 +13,9 @@ from asmc_pin.condition.check.links import Chain
 SLACKER = 1e-15
 """Share of armature and slack by which the slack is replayed larger, so that the rounding of a range is inside."""
 
+_TURN = 2.0 * np.pi * (1.0 + 1e-9)
 _SHARE = 0.05
+_LIFT = 0.03
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +86,9 @@ def form_of(chain: Chain, mbar: Array, statement: Statement, lower: Array, upper
             own[:, 0, 1] = own[:, 1, 0] = s * armature
             own -= (slack * abs(float(least)))[:, None, None] * np.outer(direction, direction)
     exact = bool(n > 1 and chain.parent[1] == 0 and not chain.slides[1])
-    return Form(chain, pairing, mixing, own, exact, (float(lower[1]), float(upper[1])) if exact else (0.0, 0.0))
+    # One turn of it is all there is.
+    range_1 = (float(lower[1]), min(float(upper[1]), float(lower[1]) + _TURN)) if exact else (0.0, 0.0)
+    return Form(chain, pairing, mixing, own, exact, range_1)
 
 
 def joint_space(form: Form, q: Array) -> Array:
@@ -139,7 +143,8 @@ def metrics(form: Form, c: Array) -> tuple[list[Array], list[Array], list[Array]
         carried = transposed(X) @ rigid[i] @ X
         rigid[parent] += carried
         k = np.arange(6)
-        carried[:, k, k] += 1e-9 * np.trace(carried, axis1=1, axis2=2)[:, None] + 1e-12
+        # A point mass resists no turning about itself, yet a turn of the joint takes it elsewhere.
+        carried[:, k, k] += _LIFT * carried[:, k, k] + 1e-9 * np.trace(carried, axis1=1, axis2=2)[:, None] + 1e-12
         before = lifted[:, parent]
         weak[i] = np.einsum("baj,bj->ba", before, weakest)
         free = before @ compliance @ transposed(before)

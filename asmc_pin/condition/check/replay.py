@@ -31,6 +31,9 @@ from asmc_pin.condition.check.witness import witness
 _SAME = 1e-9
 """How far the inertia matrices that the certificate states may be from those of the URDF in it."""
 
+_MOST_BODIES = 100_000
+"""Links of all different arms of a certificate together."""
+
 _UNSOUND = (Malformed, Unreadable, Broken)
 """What a file that is no valid certificate comes to, with a message."""
 
@@ -112,14 +115,20 @@ def _arms(told: Contents, urdf: str) -> _Arms:
     """
     robot = description(urdf)
     chains, balls = [], []
+    known: dict[tuple[object, ...], Chain] = {}
     for case in told.cases:
-        chain = chain_of(robot, told.joints, case.locked, case.payload)
+        key = (*sorted(case.locked.items()), case.load)
+        if key not in known:
+            if (len(known) + 1) * len(robot.bodies) > _MOST_BODIES:
+                raise Unreadable(f"its cases have more than {_MOST_BODIES} links together")
+            known[key] = chain_of(robot, told.joints, case.locked, case.load)
+        chain = known[key]
         mass = np.array(case.sample_mass)
         ours = chain.mass_matrix(np.array(case.sample_q), np.zeros(len(told.joints)))
         if not np.abs(ours - mass).max() <= _SAME * np.abs(mass).max():
             raise Unreadable("the URDF in the file, read anew, is another arm than the one that the proof is of")
         chains.append(chain)
-        balls.append(BallArm(robot, told.joints, case.locked, case.payload))
+        balls.append(BallArm(robot, told.joints, case.locked, case.load))
     return _Arms(chains, balls, subject(told, urdf, robot, chains[0]))
 
 

@@ -20,6 +20,11 @@ from asmc_pin.condition.check.quadratic_form import Form, least_eigenvalues
 _TRIED = 256
 """Configurations of a cell among which the one with least left is looked for."""
 
+_NOT_SO = {
+    "false": "at a configuration of its box it is not so, in balls",
+    "open": "at a configuration of its box it could not be decided in balls",
+}
+
 _WIDEST = 0.1
 _HALVINGS = 30
 
@@ -50,6 +55,7 @@ def spot_checks(
     centres: Array,
     halves: Array,
     seed: int,
+    drawn: int,
 ) -> Spots:
     """Evaluate a statement at one point and in one small box of each of some cells.
 
@@ -62,6 +68,7 @@ def spot_checks(
         centres: Of the cells, shape (k, n).
         halves: Their half widths, shape (k, n).
         seed: Of the points.
+        drawn: How many configurations of the whole box to try besides, wherever they fall.
 
     Returns:
         How many were evaluated, and what was found wrong.
@@ -69,6 +76,14 @@ def spot_checks(
     rng = np.random.default_rng(seed)
     points = 0
     widths: list[float] = []
+    lower, upper = np.array(case.lower), np.array(case.upper)
+    # Wherever they fall: the places that floating point chooses are no test of floating point.
+    for share in rng.random((drawn, lower.size)):
+        q = np.clip(lower + share * (upper - lower), lower, upper)
+        verdict = _asked(arm, statement, mbar, q, np.zeros_like(q), _armature(statement, case, rng))
+        if verdict != "true":
+            return Spots(points, 0, None, _NOT_SO[verdict])
+        points += 1
     for centre, half in zip(centres, halves, strict=True):
         q = centre + half * rng.uniform(-1.0, 1.0, (_TRIED, centre.size))
         q = np.clip(np.concatenate((centre[None], q)), case.lower, case.upper)
@@ -76,8 +91,7 @@ def spot_checks(
         armature = _armature(statement, case, rng)
         verdict = _asked(arm, statement, mbar, q, np.zeros_like(q), armature)
         if verdict != "true":
-            said = "is not so" if verdict == "false" else "could not be decided"
-            return Spots(points, len(widths), _range(widths), f"at a configuration of its box it {said}, in balls")
+            return Spots(points, len(widths), _range(widths), _NOT_SO[verdict])
         points += 1
         radius = np.minimum(half, _WIDEST)
         for _ in range(_HALVINGS):

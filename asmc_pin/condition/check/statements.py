@@ -12,6 +12,7 @@ from asmc_pin._typing import Array, IntArray
 from asmc_pin.condition.check.balls import BallArm
 from asmc_pin.condition.check.bisection import cells, leaves
 from asmc_pin.condition.check.box_bounds import WIDE, holds
+from asmc_pin.condition.check.conclusions import armature_words
 from asmc_pin.condition.check.contents import Contents, Statement
 from asmc_pin.condition.check.links import Chain
 from asmc_pin.condition.check.outcome import CheckedStatement
@@ -31,6 +32,9 @@ _MORE = 20.0
 
 _NEAR = 1e-10
 """Least eigenvalue over the largest that is below zero for sure."""
+
+_POINTS = 64
+"""Configurations drawn from the whole box for balls, over all statements; of each statement four at the least."""
 
 _SPOTS = 32
 """Cells that are put to the condition in balls, over all statements; of each statement two at the least."""
@@ -63,11 +67,13 @@ def replay_statement(
 
     Raises:
         Broken: The record is no bisection.
+        Malformed: The statement is about another armature than its case.
     """
     case = told.cases[statement.case]
     lower, upper = np.array(case.lower), np.array(case.upper)
     form = form_of(chain, np.array(told.mbar), statement, lower, upper)
     replay = _Replay(form, leaves(record), max(2, _SPOTS // len(told.statements)), seed, tell)
+    words = ", ".join(filter(None, (words, armature_words(told, statement))))
     problem = ""
     for piece in cells(record, len(told.joints)):
         problem = replay.prove(*piece.boxes(lower, upper))
@@ -76,7 +82,8 @@ def replay_statement(
     spots = Spots()
     if not problem:
         centres, halves = replay.chosen()
-        spots = spot_checks(balls, form, statement, case, told.mbar, centres, halves, seed)
+        least = max(4, _POINTS // len(told.statements))
+        spots = spot_checks(balls, form, statement, case, told.mbar, centres, halves, seed, least)
         problem = spots.problem
     result = CheckedStatement(
         statement.kind, statement.scale, statement.level, words, replay.total, replay.halved, not problem, spots

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
-from itertools import product
 
 from asmc_pin.condition.check.contents import Case, Contents, Load, Malformed
 from asmc_pin.condition.check.links import Chain
@@ -49,9 +48,9 @@ def subject(told: Contents, urdf: str, robot: Description, chain: Chain) -> Subj
     if len(ranges) != 1:
         raise Malformed("the cases have different ranges of the armature")
     held = {tuple(sorted(case.locked.items())) for case in cases}
-    there = {(tuple(sorted(case.locked.items())), case.payload, case.lower, case.upper) for case in cases}
-    every = {(h, load, *box) for h, load, box in product(held, loads, boxes)}
-    if there != every or len(held) != _count(locked) or len(cases) != len(there):
+    # All are different and as many as there can be: then they are all of them.
+    there = {(tuple(sorted(case.locked.items())), case.load, case.lower, case.upper) for case in cases}
+    if len(there) != len(held) * len(loads) * len(boxes) or len(held) != _count(locked) or len(cases) != len(there):
         raise Malformed("the cases are not all the ends of its ranges, each once")
     low, high = next(iter(ranges))
     hull = zip(
@@ -98,13 +97,13 @@ def _count(locked: dict[str, float | tuple[float, ...]]) -> int:
 
 def _loads(cases: tuple[Case, ...]) -> tuple[Load | None, ...]:
     """The one payload, or the two ends of a range, the lightest first."""
-    loads = tuple(sorted({case.payload for case in cases}, key=lambda load: load.mass if load is not None else -1.0))
+    loads = tuple(sorted({case.load for case in cases}, key=lambda load: load.mass if load is not None else -1.0))
     if len(loads) > 2:
         raise Malformed("more than two payloads are no range of one")
     if len(loads) == 2:
         light, heavy = loads
         # M is affine between two loads only where both hang at one point.
-        if light is not None and light.mass > 0.0 and heavy is not None:
+        if light is not None and heavy is not None:
             if (light.link, light.com) != (heavy.link, heavy.com):
                 raise Malformed("the two payloads hang at different points: what is between is not proven by them")
             if light.mass == heavy.mass:
@@ -131,12 +130,12 @@ def _label(
     boxes: list[tuple[tuple[float, ...], tuple[float, ...]]],
 ) -> str:
     parts = [
-        f"{printable(name)} locked at {case.locked[name]:g}"
+        f"{printable(name)} locked at {case.locked[name]!r}"
         for name, angles in locked.items()
         if isinstance(angles, tuple)
     ]
     if len(loads) > 1:
-        parts.append(f"payload {case.payload.mass if case.payload is not None else 0.0:g} kg")
+        parts.append(f"payload {case.load.mass if case.load is not None else 0.0!r} kg")
     if len(boxes) > 1:
         parts.append(f"box {boxes.index((case.lower, case.upper)) + 1} of {len(boxes)}")
     return ", ".join(parts)

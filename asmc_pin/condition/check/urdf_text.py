@@ -1,7 +1,8 @@
 """A URDF's text as the checker reads it: names, and numbers still as the decimals that they are written as.
 
 Written a second time on purpose, without Pinocchio and without the loader: a checker that reads the arm as the prover
-did repeats its mistakes. Both of the checker's own arithmetics begin here.
+did repeats its mistakes. What readers of URDF take differently, or take silently for something else, is refused here:
+a text has to mean one arm. Both of the checker's own arithmetics begin here.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import re
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from xml.parsers import expat
 
 from asmc_pin.text import printable
 
@@ -17,6 +19,10 @@ Decimals = tuple[str, ...]
 
 _DECIMAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,3})?")
 _LONGEST = 400
+_LEAST, _MOST = 1e-60, 1e12
+"""Sizes of a number that is not zero: beyond them floats are no longer what the text says."""
+
+MOST_LINKS = 2000
 
 MOVING = ("revolute", "continuous", "prismatic")
 
@@ -29,8 +35,8 @@ class Unreadable(ValueError):
 class Pose:
     """``<origin>``: translation, m, and roll, pitch, yaw, rad."""
 
-    xyz: Decimals = ("0", "0", "0")
-    rpy: Decimals = ("0", "0", "0")
+    xyz: Decimals
+    rpy: Decimals
 
 
 @dataclass(frozen=True)
@@ -80,90 +86,126 @@ def description(text: str) -> Description:
     """
     if "<!ENTITY" in text or "<!DOCTYPE" in text:
         raise Unreadable("the URDF declares entities or a document type, which are not read here")
-    try:
-        root = ET.fromstring(text)
-    except (ET.ParseError, LookupError, ValueError) as error:
-        raise Unreadable(f"the URDF is not well-formed XML: {printable(str(error))}") from None
-    for element in root.iter():
-        element.tag = str(element.tag).rpartition("}")[2]
+    root = _parsed(text)
+    if root.tag != "robot":
+        raise Unreadable(f"the URDF begins with <{printable(root.tag)}>, <robot> expected")
     bodies: dict[str, Body | None] = {}
     for link in root.findall("link"):
-        name = link.get("name", "")
+        name = _name(link)
         if name in bodies:
-            raise Unreadable(f"the URDF has two links '{printable(name)}'")
+            raise Unreadable(f"the URDF has two links '{name}'")
         bodies[name] = _body(link)
+    if len(bodies) > MOST_LINKS:
+        raise Unreadable(f"the URDF has {len(bodies)} links, at most {MOST_LINKS} are read here")
     children: dict[str, list[Joint]] = {}
     carried: set[str] = set()
     names: set[str] = set()
     for element in root.findall("joint"):
         joint = _joint(element)
         if joint.name in names:
-            raise Unreadable(f"the URDF has two joints '{printable(joint.name)}'")
+            raise Unreadable(f"the URDF has two joints '{joint.name}'")
         # Two joints to one link would make it a graph, with more ways through it than there are links.
         if joint.child in carried or joint.child not in bodies or joint.parent not in bodies:
-            raise Unreadable(f"joint '{printable(joint.name)}' of the URDF does not join two links of a tree")
+            raise Unreadable(f"joint '{joint.name}' of the URDF does not join two links of a tree")
         names.add(joint.name)
         carried.add(joint.child)
         children.setdefault(joint.parent, []).append(joint)
     roots = [name for name in bodies if name not in carried]
     if len(roots) != 1:
         raise Unreadable(f"the URDF has {len(roots)} links that nothing carries, one expected")
-    return Description(root.get("name", ""), roots[0], bodies, children)
+    return Description(_name(root), roots[0], bodies, children)
+
+
+def _parsed(text: str) -> ET.Element:
+    """The text's elements by the names that they are written with: a prefix makes another name, as in other readers."""
+    builder = ET.TreeBuilder()
+    parser = expat.ParserCreate(encoding="utf-8")
+    parser.buffer_text = True
+    parser.StartElementHandler = builder.start
+    parser.EndElementHandler = builder.end
+    try:
+        parser.Parse(text.encode(), True)
+        return builder.close()
+    except (expat.ExpatError, AssertionError) as error:
+        raise Unreadable(f"the URDF is not well-formed XML: {printable(str(error))}") from None
+
+
+def _name(element: ET.Element) -> str:
+    name = element.get("name", "")
+    if not name or name != printable(name):
+        raise Unreadable(
+            f"the name '{printable(name)}' in the URDF is empty, too long, or has signs that cannot be shown"
+        )
+    return name
 
 
 def _joint(element: ET.Element) -> Joint:
-    name, kind = element.get("name", ""), element.get("type", "")
+    name, kind = _name(element), element.get("type", "")
     if kind != "fixed" and kind not in MOVING:
-        raise Unreadable(
-            f"joint '{printable(name)}' of the URDF is of type '{printable(kind)}', which is not read here"
-        )
+        raise Unreadable(f"joint '{name}' of the URDF is of type '{printable(kind)}', not read here")
+    if kind in ("revolute", "prismatic") and element.find("limit") is None:
+        raise Unreadable(f"joint '{name}' of the URDF has no <limit>, without which others do not read it")
     parent, child = (_part(element, tag, name).get("link", "") for tag in ("parent", "child"))
-    axis = _decimals(None if (found := _only(element, "axis")) is None else found.get("xyz"), ("1", "0", "0"))
-    if kind != "fixed" and all(float(x) == 0.0 for x in axis):
-        raise Unreadable(f"joint '{printable(name)}' of the URDF has no axis")
-    return Joint(name, kind, parent, child, pose=_pose(element), axis=axis, mimics=element.find("mimic") is not None)
+    axis = _only(element, "axis", {"xyz"})
+    along = ("1", "0", "0") if axis is None else _decimals(axis.get("xyz"), 3)
+    if kind != "fixed" and all(float(x) == 0.0 for x in along):
+        raise Unreadable(f"joint '{name}' of the URDF has no axis")
+    return Joint(name, kind, parent, child, _pose(element), along, element.find("mimic") is not None)
 
 
 def _body(link: ET.Element) -> Body | None:
     inertial = _only(link, "inertial")
     if inertial is None:
         return None
-    mass, tensor = _only(inertial, "mass"), _only(inertial, "inertia")
-    (value,) = _decimals(None if mass is None else mass.get("value", "0"), ("0",))
     keys = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    entries = [_decimals("0" if tensor is None else tensor.get(key, "0"), ("0",))[0] for key in keys]
-    return Body(value, tuple(entries), _pose(inertial))
+    mass, tensor = _only(inertial, "mass", {"value"}), _only(inertial, "inertia", set(keys))
+    if mass is None or tensor is None:
+        raise Unreadable(f"link '{_name(link)}' of the URDF has an <inertial> without <mass> or <inertia>")
+    (value,) = _decimals(mass.get("value"), 1)
+    return Body(value, tuple(_decimals(tensor.get(key), 1)[0] for key in keys), _pose(inertial))
 
 
 def _pose(element: ET.Element) -> Pose:
-    origin = _only(element, "origin")
-    nothing = Pose()
+    origin = _only(element, "origin", {"xyz", "rpy"})
+    zero = ("0", "0", "0")
     if origin is None:
-        return nothing
-    return Pose(_decimals(origin.get("xyz"), nothing.xyz), _decimals(origin.get("rpy"), nothing.rpy))
+        return Pose(zero, zero)
+    found = {key: _decimals(origin.get(key), 3) for key in ("xyz", "rpy") if key in origin.attrib}
+    return Pose(found.get("xyz", zero), found.get("rpy", zero))
 
 
-def _only(element: ET.Element, tag: str) -> ET.Element | None:
-    """The one child of that name: of two, another reader may take the other."""
+def _only(element: ET.Element, tag: str, attributes: set[str] | None = None) -> ET.Element | None:
+    """The one child of that name, with no attributes but those: of two, or of others, readers make different things."""
     found = element.findall(tag)
     if len(found) > 1:
-        raise Unreadable(f"'{printable(element.get('name', ''))}' of the URDF has two <{tag}>")
+        raise Unreadable(f"'{printable(element.get('name', element.tag))}' of the URDF has two <{tag}>")
+    if found and attributes is not None and not set(found[0].keys()) <= attributes:
+        other = min(set(found[0].keys()) - attributes)
+        raise Unreadable(f"<{tag}> of the URDF has an attribute '{printable(other)}', not read here")
     return found[0] if found else None
 
 
 def _part(element: ET.Element, tag: str, name: str) -> ET.Element:
     found = _only(element, tag)
     if found is None:
-        raise Unreadable(f"joint '{printable(name)}' of the URDF has no <{tag}>")
+        raise Unreadable(f"joint '{name}' of the URDF has no <{tag}>")
     return found
 
 
-def _decimals(text: str | None, default: Decimals) -> Decimals:
-    parts = default if text is None else tuple(text.split())
-    if len(parts) != len(default):
-        raise Unreadable(f"'{printable(text or '')}' in the URDF is not a row of {len(default)} numbers")
+def _decimals(text: str | None, count: int) -> Decimals:
+    parts = () if text is None else (text,) if count == 1 else tuple(part for part in text.split(" ") if part)
+    if len(parts) != count:
+        what = "a number" if count == 1 else f"a row of {count} numbers"
+        raise Unreadable(f"'{printable(text or '')}' in the URDF is not {what}")
     for part in parts:
-        # Shorter than a float's largest: a decimal is read exactly, and 1e999 would be no float.
-        if len(part) > _LONGEST or not _DECIMAL.fullmatch(part) or abs(float(part)) > 1e30:
-            raise Unreadable(f"'{printable(part)}' in the URDF is not a number of use")
+        if len(part) > _LONGEST or not _DECIMAL.fullmatch(part):
+            raise Unreadable(f"'{printable(part)}' in the URDF is not a number")
+        size = abs(float(part))
+        if (size == 0.0 and _digits(part)) or not (size == 0.0 or _LEAST <= size <= _MOST):
+            raise Unreadable(f"'{printable(part)}' in the URDF is not 0 or of a size from {_LEAST:g} to {_MOST:g}")
     return parts
+
+
+def _digits(part: str) -> bool:
+    """Whether a decimal that a float takes for zero is none."""
+    return any(digit in "123456789" for digit in re.split("[eE]", part)[0])
