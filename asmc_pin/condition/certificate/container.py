@@ -97,10 +97,10 @@ _REMEDY = "write one with: asmc-pin verify … --certify --certificate FILE"
 
 
 def _bytes_of(source: Path) -> bytes:
-    # A device or a pipe never ends, and a directory has no bytes.
+    # A device never ends, a pipe waits for who never writes, and a directory has no bytes.
+    if not stat.S_ISREG(source.stat().st_mode):
+        raise _Damaged("it is no regular file")
     with source.open("rb") as file:
-        if not stat.S_ISREG(source.stat().st_mode):
-            raise _Damaged("it is no regular file")
         data = file.read(_MOST_FILE + 1)
     if len(data) > _MOST_FILE:
         raise _Damaged(f"it is larger than {_MOST_FILE // 1_000_000} MB")

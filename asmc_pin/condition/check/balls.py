@@ -8,11 +8,11 @@ is summed body by body from Jacobians in the base frame, and the condition is as
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from flint import arb, arb_mat
+from flint import arb, arb_mat, ctx
 
 from asmc_pin.condition.check.ball_geometry import (
     about,
@@ -21,6 +21,7 @@ from asmc_pin.condition.check.ball_geometry import (
     dot,
     normalised,
     rotation,
+    still,
     symmetric,
     unit,
     zero,
@@ -36,13 +37,28 @@ PRECISIONS = (128, 512)
 
 
 @dataclass(frozen=True, eq=False)
-class _Above:
-    """A moving joint on the way to a body: its number, kind, and axis and place in the base frame."""
+class _Body:
+    """All that moves with one joint, and how the joint hangs on the body before it; all constant.
 
-    number: int
-    slides: bool
-    axis: arb_mat
+    Attributes:
+        parent: Number of the joint before it; −1 for the base.
+        turn: Rotation of the joint's frame in its parent's at zero, 3 × 3.
+        place: Its origin there, 3 × 1.
+        axis: Unit axis in the joint's frame, 3 × 1.
+        slides: Prismatic.
+        mass: Of the body.
+        moment: Mass times centre, in the joint's frame, 3 × 1.
+        tensor: Inertia about the joint's origin, in its frame, 3 × 3.
+    """
+
+    parent: int
+    turn: arb_mat
     place: arb_mat
+    axis: arb_mat
+    slides: bool
+    mass: arb
+    moment: arb_mat
+    tensor: arb_mat
 
 
 class BallArm:
@@ -50,7 +66,7 @@ class BallArm:
 
     Args:
         robot: The robot.
-        joints: Names of its moving joints.
+        joints: Names of its moving joints, each after the one before it.
         locked: The angles of the others, rad (m where prismatic), exact.
         payload: What is fastened to a link of it.
     """
@@ -58,68 +74,95 @@ class BallArm:
     def __init__(
         self, robot: Description, joints: Sequence[str], locked: Mapping[str, float], payload: Load | None
     ) -> None:
-        self._robot, self._locked, self._payload = robot, locked, payload
-        self._index = {name: i for i, name in enumerate(joints)}
+        index = {name: i for i, name in enumerate(joints)}
+        heads: dict[int, tuple[int, arb_mat, arb_mat, arb_mat, bool]] = {}
+        loads = [(arb(0), zero(), arb_mat(3, 3)) for _ in joints]
+        with ctx.workprec(PRECISIONS[-1]):
+            waiting = [(robot.root, -1, *still())]
+            while waiting:
+                name, body, turn, place = waiting.pop()
+                if body >= 0:
+                    for part in _parts(robot, name, payload):
+                        loads[body] = _joined(loads[body], part, turn, place)
+                for joint in robot.children.get(name, ()):
+                    at, turned = place + turn * column(joint.pose.xyz), turn * rotation(joint.pose)
+                    if joint.kind == "fixed":
+                        waiting.append((joint.child, body, turned, at))
+                        continue
+                    axis, slides = normalised(joint.axis), joint.kind == "prismatic"
+                    if joint.name in index:
+                        heads[index[joint.name]] = (body, turned, at, axis, slides)
+                        waiting.append((joint.child, index[joint.name], *still()))
+                        continue
+                    angle = arb(locked[joint.name])
+                    moved = (turned, at + turned * axis * angle) if slides else (turned * about(axis, angle), at)
+                    waiting.append((joint.child, body, *moved))
+        self._bodies = [_Body(*heads[i], *loads[i]) for i in range(len(joints))]
 
     def mass_matrix(self, q: Sequence[arb], armature: Sequence[arb]) -> arb_mat:
-        """M(q) + diag(armature), an enclosure of it for every q and armature in the balls; (n, n)."""
-        n = len(self._index)
-        total = [[arb(0)] * n for _ in range(n)]
-        for i in range(n):
-            total[i][i] = armature[i]
-        waiting: list[tuple[str, arb_mat, arb_mat, tuple[_Above, ...]]] = [(self._robot.root, unit(), zero(), ())]
-        while waiting:
-            name, turn, place, above = waiting.pop()
-            body = self._robot.bodies[name]
-            if above and body is not None:
-                mass, tensor = arb(body.mass), symmetric([arb(x) for x in body.inertia])
-                _add(total, mass, tensor, turn, place, rotation(body.pose), column(body.pose.xyz), above)
-            if above and self._payload is not None and self._payload.link == name:
-                load = self._payload
-                tensor = symmetric([arb(x) for x in load.inertia])
-                com = arb_mat(3, 1, [arb(x) for x in load.com])
-                _add(total, arb(load.mass), tensor, turn, place, unit(), com, above)
-            for joint in self._robot.children.get(name, ()):
-                there, at = turn * rotation(joint.pose), place + turn * column(joint.pose.xyz)
-                number = self._index.get(joint.name) if joint.kind != "fixed" else None
-                if joint.kind == "fixed":
-                    waiting.append((joint.child, there, at, above))
-                    continue
-                along, slides = normalised(joint.axis), joint.kind == "prismatic"
-                by = arb(self._locked[joint.name]) if number is None else q[number]
-                axis = there * along
-                beyond = above if number is None else (*above, _Above(number, slides, axis, at))
-                if slides:
-                    waiting.append((joint.child, there, at + axis * by, beyond))
-                else:
-                    waiting.append((joint.child, there * about(along, by), at, beyond))
+        """M(q) + diag(armature), an enclosure of it for every q and armature in the balls; (n, n).
+
+        With a body's origin at velocity v and its turning ω, 2 T = m v·v + 2 v·(ω × m c) + ω·(I ω).
+        """
+        n = len(self._bodies)
+        total = [[armature[i] if i == j else arb(0) for j in range(n)] for i in range(n)]
+        turns: list[arb_mat] = []
+        places: list[arb_mat] = []
+        axes: list[arb_mat] = []
+        for i, body in enumerate(self._bodies):
+            turn, place = still() if body.parent < 0 else (turns[body.parent], places[body.parent])
+            place, turn = place + turn * body.place, turn * body.turn
+            axes.append(turn * body.axis)
+            places.append(place + axes[i] * q[i] if body.slides else place)
+            turns.append(turn if body.slides else turn * about(body.axis, q[i]))
+            self._add(total, i, turns[i], places, axes)
         return arb_mat(total)
 
+    def _add(
+        self, total: list[list[arb]], i: int, turn: arb_mat, places: Sequence[arb_mat], axes: Sequence[arb_mat]
+    ) -> None:
+        """Add one body's share to the inertia matrix: of every two joints on the way to it."""
+        body = self._bodies[i]
+        moment, tensor = turn * body.moment, turn * body.tensor * turn.transpose()
+        columns = []
+        k = i
+        while k >= 0:
+            slides = self._bodies[k].slides
+            linear = axes[k] if slides else cross(axes[k], places[i] - places[k])
+            angular = zero() if slides else axes[k]
+            columns.append((k, linear, angular, cross(angular, moment), tensor * angular))
+            k = self._bodies[k].parent
+        for a, linear, angular, swing, _ in columns:
+            for b, other, _, others_swing, others_turning in columns:
+                if b <= a:
+                    value = body.mass * dot(linear, other) + dot(linear, others_swing) + dot(other, swing)
+                    total[a][b] += value + dot(angular, others_turning)
+                    total[b][a] = total[a][b]
 
-def _add(
-    total: list[list[arb]],
-    mass: arb,
-    tensor: arb_mat,
-    turn: arb_mat,
-    place: arb_mat,
-    pose: arb_mat,
-    com: arb_mat,
-    above: tuple[_Above, ...],
-) -> None:
-    """Add m Jᵀ J of a body's centre and Jᵀ I J of its turning to the inertia matrix."""
-    at, turned = place + turn * com, turn * pose
-    inertia = turned * tensor * turned.transpose()
-    columns = []
-    for joint in above:
-        linear = joint.axis if joint.slides else cross(joint.axis, at - joint.place)
-        angular = zero() if joint.slides else joint.axis
-        columns.append((joint.number, linear, angular, inertia * angular))
-    for i, linear, angular, _ in columns:
-        for j, other, _, moment in columns:
-            if j <= i:
-                value = mass * dot(linear, other) + dot(angular, moment)
-                total[i][j] = total[i][j] + value
-                total[j][i] = total[i][j]
+
+_Load = tuple[arb, arb_mat, arb_mat]
+"""Mass, centre of mass or moment, and a tensor."""
+
+
+def _parts(robot: Description, link: str, payload: Load | None) -> Iterator[_Load]:
+    """Mass, centre and inertia about the centre of what a link has and carries, in the link's frame."""
+    body = robot.bodies[link]
+    if body is not None:
+        turn = rotation(body.pose)
+        tensor = turn * symmetric([arb(x) for x in body.inertia]) * turn.transpose()
+        yield arb(body.mass), column(body.pose.xyz), tensor
+    if payload is not None and payload.link == link:
+        com = arb_mat(3, 1, [arb(x) for x in payload.com])
+        yield arb(payload.mass), com, symmetric([arb(x) for x in payload.inertia])
+
+
+def _joined(whole: _Load, part: _Load, turn: arb_mat, place: arb_mat) -> _Load:
+    """A body with a part fastened to it: masses, moments and inertias about the body's origin add up (Steiner)."""
+    mass, centre, tensor = part
+    at = place + turn * centre
+    spread = unit() * dot(at, at) - at * at.transpose()
+    own = turn * tensor * turn.transpose()
+    return whole[0] + mass, whole[1] + at * mass, whole[2] + own + spread * mass
 
 
 def holds(statement: Statement, mass: arb_mat, mbar: Sequence[float]) -> Verdict:

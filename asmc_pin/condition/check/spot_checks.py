@@ -26,7 +26,7 @@ _NOT_SO = {
 }
 
 _WIDEST = 0.1
-_HALVINGS = 30
+_HALVINGS = 16
 
 
 @dataclass(frozen=True)

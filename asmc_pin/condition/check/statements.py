@@ -20,9 +20,10 @@ from asmc_pin.condition.check.quadratic_form import Form, form_of
 from asmc_pin.condition.check.spot_checks import Spots, spot_checks
 
 _ROOM = 4_000_000
-"""Numbers in the largest array of one batch."""
+"""Numbers that the forms of one batch of boxes have."""
 
-_MOST_CORNERS = 1 << 15
+_MOST_ROOM = 30_000_000
+"""Of a single box; with more corners than that, this route does not take it."""
 
 _DEEPER = 14
 """How often a cell that this route does not prove as it is may be halved on."""
@@ -157,10 +158,11 @@ class _Replay:
         _, code = np.unique(r > WIDE, axis=0, return_inverse=True)
         for value in range(int(code.max()) + 1):
             same = np.flatnonzero(code == value)
-            corners = 2 ** int(np.count_nonzero(~self._idle & (r[same[0]] <= WIDE)))
-            if corners > _MOST_CORNERS:
-                raise np.linalg.LinAlgError(f"{corners} corners of a box are more than this route takes")
-            batch = max(1, _ROOM // (corners * (6 * self._form.pairing.shape[0]) ** 2))
+            two_ends = ~self._idle & (self._form.chain.slides | (r[same[0]] <= WIDE))
+            size = 2 ** int(np.count_nonzero(two_ends)) * r.shape[1] * (6 * self._form.pairing.shape[0]) ** 2
+            if size > _MOST_ROOM:
+                raise np.linalg.LinAlgError(f"a box has 2 to the {np.count_nonzero(two_ends)} corners")
+            batch = max(1, _ROOM // size)
             for start in range(0, same.size, batch):
                 yield np.asarray(same[start : start + batch], dtype=np.int64)
 

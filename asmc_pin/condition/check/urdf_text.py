@@ -19,7 +19,7 @@ Decimals = tuple[str, ...]
 
 _DECIMAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]{1,3})?")
 _LONGEST = 400
-_LEAST, _MOST = 1e-60, 1e12
+_LEAST, _MOST = 1e-60, 1e9
 """Sizes of a number that is not zero: beyond them floats are no longer what the text says."""
 
 MOST_LINKS = 2000
@@ -89,6 +89,8 @@ def description(text: str) -> Description:
     root = _parsed(text)
     if root.tag != "robot":
         raise Unreadable(f"the URDF begins with <{printable(root.tag)}>, <robot> expected")
+    if root.get("version", "1.0") not in ("1.0", "1.1", "1.2"):
+        raise Unreadable(f"the URDF is of version '{printable(root.get('version', ''))}', which is not read here")
     bodies: dict[str, Body | None] = {}
     for link in root.findall("link"):
         name = _name(link)
