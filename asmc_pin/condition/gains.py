@@ -73,7 +73,8 @@ class GainDesign:
         assert limits is not None
         low, high = limits.gain_margin
         return [
-            f"L = {self.loop.period:g} s: β = k_s = {self.loop.beta[0]:.4g} 1/s, M̄ times {self.mbar_scale:.3g}",
+            f"{self.report.about.title}, L = {self.loop.period:g} s: β = k_s = {self.loop.beta[0]:.4g} 1/s, "
+            f"M̄ times {self.mbar_scale:.3g}",
             "M̄ = " + ",".join(f"{value:.17g}" for value in self.loop.mbar),
             f"margins: torque gain {low:.3g} to {high:.3g}, extra delay {limits.delay_margin:.3g} periods",
             *(

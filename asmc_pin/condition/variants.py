@@ -17,6 +17,7 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.box import BoxLike, resolve_box
 from asmc_pin.condition.sampling import Domain
 from asmc_pin.errors import ParameterError
+from asmc_pin.text import printable
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -91,9 +92,11 @@ def _locked(arm: Arm, lock: LockChoices) -> list[tuple[Arm, str]]:
         choices.append([(joint, value) for value in values])
     several = any(len(choice) > 1 for choice in choices)
     found = []
+    # As it was asked for, and not as it came out: what mimics a locked joint has to follow each choice.
+    asked = arm.made_of[2].lock or {}
     for chosen in product(*choices):
-        label = ", ".join(f"{joint} locked at {value:g}" for joint, value in chosen) if several else ""
-        found.append((arm.replace(lock={**arm.locked, **dict(chosen)}), label))
+        label = ", ".join(f"{printable(joint)} locked at {value:g}" for joint, value in chosen) if several else ""
+        found.append((arm.replace(lock={**asked, **dict(chosen)}), label))
     return found
 
 
