@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.box import BoxLike, resolve_box
+from asmc_pin.condition.box import BoxLike, asked_box, resolve_box
 from asmc_pin.condition.sampling import Domain
 from asmc_pin.errors import ParameterError
 from asmc_pin.text import printable
@@ -73,7 +73,7 @@ def cases(
     for held, lock_label in _locked(arm, lock):
         for carrying, load_label in _carrying(held, payload):
             lower, upper = armature_range(carrying, armature)
-            domain = Domain(carrying, resolve_box(carrying, box), lower, upper)
+            domain = Domain(carrying, resolve_box(carrying, asked_box(carrying, box)), lower, upper)
             found.append(Case(domain, ", ".join(filter(None, (lock_label, load_label)))))
     return found
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.along import Motion, motion_of, norms_along, tube, worst_in_tube
+from asmc_pin.condition.along import Motion, check_units, motion_of, norms_along, tube, worst_in_tube
 from asmc_pin.condition.box import BoxLike
 from asmc_pin.condition.hypotheses import Where
 from asmc_pin.condition.lemma1 import Condition, check_condition, check_mbar
@@ -115,6 +115,7 @@ def verify(
         if isinstance(along, str | Path):
             along = read_recording(along, first.arm)
         motion = motion_of(along, first.arm.nv, period=period, duration=duration)
+        check_units(first.arm, along, motion)
         if tube_width is None:
             outcome = _along_motion(all_cases, values, condition, motion)
         else:
@@ -200,7 +201,7 @@ def _in_tube(
     starts: int,
     seed: int,
 ) -> _Outcome:
-    parts = tube(motion, *reach)
+    parts = tube(motion, *reach, all_cases[0].domain.arm.joint_kinds)
     each = max(256, samples // len(parts))
     seen, tops, clouds, configurations = [], [], [], 0
     for case in all_cases:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.along import motion_of, tube
+from asmc_pin.condition.along import check_units, motion_of, tube
 from asmc_pin.condition.box import BoxLike, resolve_box
 from asmc_pin.condition.hypotheses import Where
 from asmc_pin.condition.recorded import read_recording
@@ -51,7 +51,9 @@ def domains(
     first = found[0].domain.arm
     if isinstance(along, str | Path):
         along = read_recording(along, first)
-    parts = tube(motion_of(along, first.nv, period=period, duration=duration), tube_width, slices)
+    motion = motion_of(along, first.nv, period=period, duration=duration)
+    check_units(first, along, motion)
+    parts = tube(motion, tube_width, slices, first.joint_kinds)
     sliced = []
     for case in found:
         domain = case.domain

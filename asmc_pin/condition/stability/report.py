@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.box import BoxLike
+from asmc_pin.condition.box import BoxLike, asked_box
 from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.condition.premises import ends_of, premises_of
 from asmc_pin.condition.stability.limits import Limits, limits_of
 from asmc_pin.condition.stability.loop import Acceleration, SampledLoop, positive_per_joint
 from asmc_pin.condition.stability.workspace import Workspace, workspace_of
 from asmc_pin.errors import ParameterError
+from asmc_pin.units import check_delay, check_period
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -179,7 +180,7 @@ def stability(
     began = time.perf_counter()
     loop = loop_for(arm, mbar, ks, beta, period, acceleration=acceleration, filter_hz=filter_hz, delay=delay)
     friction = None if viscous is None else _viscous(viscous, arm.nv)
-    workspace = workspace_of(arm, box, samples=samples, seed=seed, viscous=friction)
+    workspace = workspace_of(arm, asked_box(arm, box), samples=samples, seed=seed, viscous=friction)
     radius, q, tried = workspace.worst(loop)
     rest_radius, rest_q, more = at_rest(workspace, loop, samples=samples, seed=seed)
     (low, _), (high, _) = workspace.ratio_range(loop.mbar)
@@ -202,9 +203,12 @@ def loop_for(arm: Arm, mbar: ArrayLike, ks: ArrayLike, beta: ArrayLike, period: 
     """The loop with M̄ spread over the arm's joints.
 
     Raises:
-        ParameterError: as of `SampledLoop`.
+        ParameterError: as of `SampledLoop`, or a period or delay that is hardly meant in its unit.
     """
-    return SampledLoop(positive_per_joint("mbar", mbar, arm.nv, "kg·m²"), ks, beta, period, **timing)  # type: ignore[arg-type]
+    loop = SampledLoop(positive_per_joint("mbar", mbar, arm.nv, "kg·m²"), ks, beta, period, **timing)  # type: ignore[arg-type]
+    check_period(loop.period)
+    check_delay(loop.delay, loop.period)
+    return loop
 
 
 def at_rest(workspace: Workspace, loop: SampledLoop, *, samples: int, seed: int) -> tuple[float, Array, int]:
