@@ -27,9 +27,12 @@ from asmc_pin.condition.certificate.kernels_dense import surely_positive
 from asmc_pin.condition.certificate.kernels_tree import cell
 from asmc_pin.condition.certificate.problem import DATA, MARGIN, Kind, Statement, _largest, problem_of
 from asmc_pin.condition.certificate.walk import Walk
+from asmc_pin.condition.certified import certified
+from asmc_pin.condition.check import check
 from asmc_pin.condition.sampling import evaluate
 from asmc_pin.condition.variants import cases
 from asmc_pin.errors import ArmError, NotPositiveDefinite, ParameterError
+from asmc_pin.references import Quintic
 
 KINDS: tuple[Kind, ...] = ("weighted", "bounded", "lemma1", "level")
 
@@ -69,6 +72,11 @@ def test_between_two_centres_the_condition_need_not_hold_where_it_holds_at_both(
     q = np.array([0.0, 0.5])
     mean = 0.5 * (ends[0].mass_matrix(q) + ends[1].mass_matrix(q))
     assert np.linalg.eigvalsh(between.mass_matrix(q) - mean)[0] < -1.0
+
+
+def test_two_payloads_of_one_mass_are_no_range_of_it(two_link: Arm) -> None:
+    with pytest.raises(ParameterError, match="a lighter and a heavier end"):
+        verify(two_link, 0.01, payload=(Payload(1.0), Payload(1.0, inertia=(0.1, 0.0, 0.0, 0.1, 0.0, 0.1))))
 
 
 def test_the_light_end_without_mass_has_no_centre(two_link: Arm) -> None:
@@ -236,6 +244,17 @@ def test_every_slice_is_proven_for_every_arm_of_the_ranges(two_link: Arm) -> Non
     starts = sorted(float(case.domain.box.lower[1]) for case in found.cases)
     assert starts == pytest.approx([-0.1, -0.1, 1 / 3 - 0.1, 1 / 3 - 0.1, 2 / 3 - 0.1, 2 / 3 - 0.1], abs=2e-3)
     assert sorted(proof.statement.case for proof in found.proofs) == list(range(6))
+
+
+def test_slices_in_which_the_motion_rests_are_one_statement(two_link: Arm, tmp_path: Path) -> None:
+    rest = Quintic(start=[0.0, 0.0], targets=[[0.0, 0.4]], times=[0.4], move=0.2)
+    options: dict[str, Any] = {"along": rest, "tube_width": 0.1, "slices": 10, "duration": 1.0}
+    found = certify(two_link, 0.01, budget=20.0, levels=False, **options)
+    assert 3 <= len(found.cases) == found.hypotheses.parts < 10
+    assert certified(verify(two_link, 0.01, samples=64, **options), found).verdict == "holds"
+    assert check(found.save(tmp_path / "rest.cert")).valid
+    lock: dict[str, Any] = {"lock": {"joint_2": [0.5, 0.5]}}
+    assert len(certify(two_link, 0.01, budget=5.0, levels=False, **lock).cases) == 1
 
 
 @pytest.mark.parametrize(

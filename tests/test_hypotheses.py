@@ -19,6 +19,7 @@ from asmc_pin.arms import Arm, Payload
 from asmc_pin.cli import main
 from asmc_pin.condition import Recording, certified, design
 from asmc_pin.condition.certificate import certify
+from asmc_pin.condition.check import check
 from asmc_pin.condition.hypotheses import Hypotheses, fold_locks, formula
 from asmc_pin.condition.lemma1 import Condition
 from asmc_pin.condition.stability import stability
@@ -183,6 +184,13 @@ def test_a_follower_of_a_locked_joint_is_locked_together_with_it(tmp_path: Path)
     content = verify(arm, 0.01, lock={"master": [0.0, 0.5]}, samples=16).to_json_dict()
     assert content["locked"] == {"master": [0.0, 0.5], "follower": [0.0, 1.0]}
     assert content["locked_together"] is True
+    # A certificate says the same, and the checker derives it.
+    proof = certify(arm, 0.01, lock={"master": [0.0, 0.5]}, budget=5.0, levels=False).save(tmp_path / "proof.cert")
+    told = check(proof).to_json_dict()
+    assert told["valid"]
+    assert {key: told[key] for key in ("locked", "locked_together")} == {
+        key: content[key] for key in ("locked", "locked_together")
+    }
 
 
 def test_names_pass_no_control_characters(tmp_path: Path) -> None:

@@ -228,7 +228,7 @@ def fold_locks(choices: Sequence[Mapping[str, float]]) -> tuple[dict[str, float 
         Joint to its angle, or to each of its several; and whether these go together (first with first) because not
         every combination of them is among the arms.
     """
-    distinct = list({tuple(choice.items()): choice for choice in choices}.values())
+    distinct = list({tuple(sorted(choice.items())): choice for choice in choices}.values())
     seen = {name: tuple(dict.fromkeys(choice[name] for choice in distinct)) for name in distinct[0]}
     together = len(distinct) != math.prod(len(angles) for angles in seen.values())
     if together:

@@ -43,6 +43,7 @@ def premises_of(
         The subject.
     """
     first = arms[0]
+    distinct = tuple(dict.fromkeys((tuple(lo.tolist()), tuple(hi.tolist())) for lo, hi in boxes))
     locked, together = fold_locks([arm.locked for arm in arms])
     lower, upper = (end(axis=0) for end in (np.array([b[0] for b in boxes]).min, np.array([b[1] for b in boxes]).max))
     return Premises(
@@ -56,8 +57,8 @@ def premises_of(
         together=together,
         box=dict(zip(first.joint_names, zip(lower.tolist(), upper.tolist(), strict=True), strict=True)),
         where=where,
-        parts=len(boxes),
-        boxes=tuple((tuple(lo.tolist()), tuple(hi.tolist())) for lo, hi in boxes) if len(boxes) > 1 else (),
+        parts=len(distinct),
+        boxes=distinct if len(distinct) > 1 else (),
     )
 
 

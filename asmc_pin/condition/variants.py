@@ -89,7 +89,7 @@ def _locked(arm: Arm, lock: LockChoices) -> list[tuple[Arm, str]]:
             raise ParameterError("lock", f"{angles!r} given for joint '{joint}', one or more angles expected") from None
         if not values:
             raise ParameterError("lock", f"no angle given for joint '{joint}'")
-        choices.append([(joint, value) for value in values])
+        choices.append([(joint, value) for value in dict.fromkeys(values)])
     several = any(len(choice) > 1 for choice in choices)
     found = []
     # As it was asked for, and not as it came out: what mimics a locked joint has to follow each choice.
@@ -120,6 +120,8 @@ def _carrying(arm: Arm, payload: PayloadRange) -> list[tuple[Arm, str]]:
             "payload",
             "the ends have different centres or links, and between such the condition need not hold; verify each alone",
         )
+    if masses[0] == masses[1] > 0.0 and light != heavy:
+        raise ParameterError("payload", f"both ends weigh {masses[0]:g} kg; a range has a lighter and a heavier end")
     if light == heavy:
         ends, masses = ends[:1], masses[:1]
     return [(end, f"payload {mass:g} kg") for end, mass in zip(ends, masses, strict=True)]
