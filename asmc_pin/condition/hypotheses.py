@@ -65,12 +65,12 @@ class Carried:
 
     def words(self) -> str:
         """The same for a person to read."""
-        at = ", ".join(f"{x:g}" for x in self.com)
+        at = ", ".join(f"{x:.10g}" for x in self.com)
         said = f"{_words(self.mass)} kg at ({at}) m on {printable(self.link)}"
         if any(self.inertia) or any(self.inertia_lightest or ()):
-            said += f", inertia about its centre ({', '.join(f'{x:g}' for x in self.inertia)}) kg·m²"
+            said += f", inertia about its centre ({', '.join(f'{x:.10g}' for x in self.inertia)}) kg·m²"
             if self.inertia_lightest is not None:
-                lightest = ", ".join(f"{x:g}" for x in self.inertia_lightest)
+                lightest = ", ".join(f"{x:.10g}" for x in self.inertia_lightest)
                 said += f" where heaviest, ({lightest}) where lightest"
         return said
 
@@ -240,11 +240,11 @@ def fold_locks(choices: Sequence[Mapping[str, float]]) -> tuple[dict[str, float 
 
 
 def _words(value: float | Interval) -> str:
-    return f"{value[0]:g} to {value[1]:g}" if isinstance(value, tuple) else f"{value:g}"
+    return f"{value[0]:.10g} to {value[1]:.10g}" if isinstance(value, tuple) else f"{value:.10g}"
 
 
 def _choices(angles: float | tuple[float, ...]) -> str:
-    return " and at ".join(f"{a:g}" for a in angles) if isinstance(angles, tuple) else f"{angles:g}"
+    return " and at ".join(f"{a:.10g}" for a in angles) if isinstance(angles, tuple) else f"{angles:.10g}"
 
 
 def _plain(value: float | tuple[float, ...]) -> Any:
