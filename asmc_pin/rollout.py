@@ -16,6 +16,7 @@ from asmc_pin.plant.parameters import per_trial
 from asmc_pin.plant.record import LimitViolation, Rollout, outside_limits
 from asmc_pin.plant.recorder import CHUNK, MEASURED, TRUTH, Recorder
 from asmc_pin.references.base import Reference
+from asmc_pin.units import check_delay, check_period
 
 __all__ = ["LimitViolation", "Rollout", "rollout"]
 
@@ -62,6 +63,10 @@ def rollout(
             (batch, nv).
     """
     period = _period_of(controller, period)
+    check_period(period)
+    for part, name in ((plant.drive, "drive.delay"), (plant.sensor, "sensor.delay")):
+        if part is not None:
+            check_delay(part.delay, period, name)
     ticks = _ticks(duration, period)
     if isinstance(batch, bool) or int(batch) != batch or batch < 1:
         raise ParameterError("batch", f"{batch!r} given; expected a whole number of trials, at least 1")

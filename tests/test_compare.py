@@ -198,7 +198,7 @@ def test_trouble_is_warned_of_before_the_run_where_it_can_be_and_written_down(tm
     assert list(comparison.warnings) == heard
     assert "reference: joint 'joint_1': torque" in text
     assert "limit 5 N·m" in text
-    assert "Lemma 1 is violated along the reference by the M̄ of PPC: " in text
+    assert f"Lemma 1 is violated along the reference on {comparison.about.title} by the M̄ of PPC: " in text
     assert "Shy" not in next(line for line in heard if "Lemma 1" in line)
     assert order.index("warning") < order.index("PPC")
     assert all(line in (comparison.out / "summary.md").read_text(encoding="utf-8") for line in heard)

@@ -17,7 +17,10 @@ from asmc_pin.condition.along import motion_of, tube
 from asmc_pin.condition.box import resolve_box
 from asmc_pin.errors import ArmError, ParameterError
 
-KEYS = "arm joints mbar condition verdict kind lower upper worst_q configurations seconds"
+KEYS = (
+    "arm sha256 joints mbar armature payload locked box scope condition verdict kind lower upper "
+    "worst_q worst_payload worst_armature configurations seconds"
+)
 
 
 @dataclass(frozen=True)

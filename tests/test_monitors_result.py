@@ -95,7 +95,7 @@ def test_tables_pages_and_notes_give_every_verdict_with_its_reason(comparison: C
     summary = (comparison.out / "summary.md").read_text(encoding="utf-8")
     assert theorems_markdown(claims) in summary
     latex = (comparison.out / "summary.tex").read_text(encoding="utf-8")
-    assert theorems_latex(claims) in latex
+    assert theorems_latex(claims, comparison.about.title) in latex
     assert latex.isascii()
     assert r"CT (knows the model) & -- & -- & -- & -- & -- & -- \\" in latex
     page = (comparison.out / "report.html").read_text(encoding="utf-8")

@@ -14,6 +14,7 @@ from asmc_pin.arms.payload import Payload, as_payload
 from asmc_pin.arms.reading import Robot
 from asmc_pin.arms.registry import nearest
 from asmc_pin.errors import ParameterError
+from asmc_pin.units import check_angle, check_gravity
 
 GRAVITY = (0.0, 0.0, -9.81)
 Load = float | Payload | Mapping[str, Any]
@@ -85,6 +86,9 @@ def resolve_locks(robot: Robot, default: Mapping[str, float], lock: Lock | None)
             locked[name] = math.nan
         if not math.isfinite(locked[name]):
             raise ParameterError("lock", f"joint '{name}': {value!r} given, a number in {unit} or \"free\" expected")
+        joint = robot.joints[name]
+        if joint.kind == "revolute":
+            check_angle("lock", name, locked[name], joint.lower, joint.upper, joint.continuous)
     followers = {name: j.mimic for name, j in robot.joints.items() if j.mimic and name not in (lock or {})}
     # A follower may follow a follower; each pass settles at least one more link of such a chain.
     for _ in followers:
@@ -138,6 +142,8 @@ def _gravity(gravity: Gravity | None) -> Array | None:
             f"{gravity!r} given, three finite numbers expected: the acceleration in the base frame, m/s², such as "
             "(0, 0, 9.81) for an arm on the ceiling or (9.81, 0, 0) on a wall",
         )
+    if value is not None:
+        check_gravity(value)
     return value
 
 

@@ -31,6 +31,7 @@ from asmc_pin.cli.options import (
     print_json,
 )
 from asmc_pin.errors import ParameterError
+from asmc_pin.text import printable
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -131,49 +132,58 @@ def prove(
 
 
 def print_verdict(report: ConditionReport) -> None:
-    """Print a report of the condition for a person to read; angles in degrees too."""
+    """Print a report of the condition for a person to read: what it is about first; angles in degrees too."""
     import numpy as np
     from rich.console import Console
     from rich.table import Table
-
-    from asmc_pin.report.condition_text import NAMES
+    from rich.text import Text
 
     console = Console(highlight=False)
+
+    def say(line: str, style: str = "") -> None:
+        console.print(Text(line, style), soft_wrap=True)  # plain: a name may hold what would be markup
+
     style = {"holds": "bold green", "unrefuted": "bold green", "violated": "bold red"}.get(
         report.verdict, "bold yellow"
     )
-    name = NAMES[report.condition]
-    console.print(f"{report.arm}: {name}, {report.formula}", soft_wrap=True)
-    console.print(
-        f"[{style}]{report.verdict}[/]  ({report.kind}, {report.configurations} configurations, {report.seconds:.1f} s)"
+    for line in report.hypotheses.lines():
+        say(line)
+    say(
+        f"{report.hypotheses.title}: {report.verdict}  ({report.kind}, {report.configurations} configurations, "
+        f"{report.seconds:.1f} s)",
+        style,
     )
     largest = f"largest norm found {report.lower:.6g}"
     if report.worst_time is not None:
         largest += f", at t = {report.worst_time:.4g} s"
-    console.print(f"{largest}; smallest {report.smallest:.6g}")
+    say(f"{largest}; smallest {report.smallest:.6g}")
     if report.scale_refuted is not None:
         proven = report.scale_proven or 0.0
         if report.scale_refuted > 0.0:
-            console.print(
+            say(
                 f"proven for M̄ times {proven:.6g}, counter-example for M̄ times {report.scale_refuted:.6g} "
                 f"(gap {1.0 - proven / report.scale_refuted:.2%})"
             )
         else:
-            console.print("there are counter-examples for every positive multiple of M̄")
+            say("there are counter-examples for every positive multiple of M̄")
     if report.upper is not None:
-        console.print(
+        say(
             f"the norm is proven to be at most {report.upper:.6g} over the box"
             if report.upper < 1.0
             else "the norm is proven to be below 1 over the box"
         )
     if report.worst_case:
-        console.print(f"worst case: {report.worst_case}")
-    table = Table("joint", "m̄ kg·m²", "worst q rad", "deg", box=None, pad_edge=False)
-    for name, m, q in zip(report.joints, report.mbar, report.worst_q, strict=True):
-        table.add_row(name, f"{m:.6g}", f"{q:+.6f}", f"{np.degrees(q):+.2f}")
+        say(f"worst case: {report.worst_case}")
+    unit = "rad or m" if any(report.hypotheses.slides) else "rad"
+    table = Table("joint", "m̄ kg·m²", "armature there", f"worst q {unit}", "deg", box=None, pad_edge=False)
+    figures = (report.joints, report.hypotheses.slides, report.mbar, report.worst_armature, report.worst_q)
+    for name, slides, m, armature, q in zip(*figures, strict=True):
+        table.add_row(
+            Text(printable(name)), f"{m:.6g}", f"{armature:.6g}", f"{q:+.6f}", "" if slides else f"{np.degrees(q):+.2f}"
+        )
     console.print(table)
     for line in report.notes:
-        console.print(f"note: {line}", soft_wrap=True)
+        say(f"note: {line}")
 
 
 def _print_tde_error(along: Any, arm: Arm, mbar: float | list[float]) -> None:

@@ -16,6 +16,7 @@ from asmc_pin.condition.sampling import NORM, Domain, evaluate
 from asmc_pin.condition.search import Found, maximise
 from asmc_pin.condition.variants import Case
 from asmc_pin.errors import ParameterError
+from asmc_pin.units import check_motion, check_reach
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -91,6 +92,21 @@ def motion_of(along: Any, nv: int, *, period: float | None = None, duration: flo
     return motion
 
 
+def check_units(arm: Arm, along: Any, motion: Motion) -> None:
+    """Ask about a motion whose angles look like degrees.
+
+    Args:
+        arm: Whose joints move.
+        along: What the motion was made of.
+        motion: The motion.
+
+    Raises:
+        ParameterError: They are hardly meant in rad.
+    """
+    recorded = not hasattr(along, "evaluate") and not hasattr(along, "build_reference")
+    check_motion("along", arm, motion.name, motion.times, motion.q, getattr(along, "v", None), recorded=recorded)
+
+
 def norms_along(
     arm: Arm, mbar: Array, condition: Condition, q: Array, lower: Array, upper: Array
 ) -> tuple[Array, Array]:
@@ -126,24 +142,29 @@ def armature_ends(lower: Array, upper: Array) -> Array:
     return corners
 
 
-def tube(motion: Motion, width: float | Sequence[float] | Array, slices: int = 50) -> list[Slice]:
+def tube(
+    motion: Motion, width: float | Sequence[float] | Array, slices: int = 50, kinds: Sequence[str] = ()
+) -> list[Slice]:
     """A tube around a motion: the joint box of each time slice, widened on both sides.
 
     Args:
         motion: The motion.
         width: How far from it, rad (m where prismatic); one value or one per joint.
         slices: Number of time slices.
+        kinds: Whether each joint is ``revolute`` or ``prismatic``; all turn when omitted.
 
     Returns:
         The slices; neighbours share a tick, so that no configuration between two is left out.
 
     Raises:
-        ParameterError: A width that is not one or nv non-negative numbers, or no slice.
+        ParameterError: A width that is not one or nv non-negative numbers, or that is a turn or more; or no slice.
     """
     nv = motion.q.shape[1]
     reach = np.array(width, dtype=np.float64)
     if reach.shape not in ((), (nv,)) or not np.all(np.isfinite(reach)) or np.any(reach < 0.0):
         raise ParameterError("tube", f"{width!r} given, one or {nv} finite widths of zero or more expected")
+    slides = np.array([kind == "prismatic" for kind in kinds or [""] * nv])
+    check_reach("tube", np.broadcast_to(reach, (nv,)), slides)
     if slices < 1:
         raise ParameterError("slices", f"{slices} given, at least 1 expected")
     edges = np.unique(np.linspace(0, len(motion.times) - 1, slices + 1).round().astype(int))

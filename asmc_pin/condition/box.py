@@ -10,6 +10,7 @@ import numpy as np
 
 from asmc_pin._typing import Array, BoolArray
 from asmc_pin.errors import ParameterError
+from asmc_pin.units import check_range
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -50,6 +51,18 @@ class Box:
         """The configuration of the box that is q up to whole turns of periodic joints; others are clipped."""
         turned = self.lower + np.mod(q - self.lower, FULL_TURN)
         return np.clip(np.where(self.periodic, turned, q), self.lower, self.upper)
+
+
+def asked_box(arm: Arm, box: BoxLike) -> BoxLike:
+    """The box that somebody asks about, as it was given.
+
+    Raises:
+        ParameterError: As of `resolve_box`, or its angles look like degrees.
+    """
+    if box is not None:
+        resolve_box(arm, box)
+        check_range("box", arm, *(box if isinstance(box, tuple) else _named(arm, box)))
+    return box
 
 
 def resolve_box(arm: Arm, box: BoxLike = None) -> Box:

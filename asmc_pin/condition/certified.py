@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING
 
+from asmc_pin.condition.hypotheses import Hypotheses
 from asmc_pin.condition.report import ConditionReport
 from asmc_pin.errors import ParameterError
 
@@ -26,18 +27,24 @@ def certified(report: ConditionReport, result: CertificateResult) -> ConditionRe
     Raises:
         ParameterError: They speak of different things.
     """
-    same = (report.arm, report.joints, report.condition, report.mbar.tolist())
-    if same != (result.arm, result.joints, result.condition, result.mbar.tolist()) or report.scope != result.scope:
-        raise ParameterError("result", "the proof and the search are not of the same arm, M̄, condition and domain")
+    # All of the statement has to agree: a proof with more armature, say, is of another arm.
+    if differing := [
+        item.name
+        for item in fields(Hypotheses)
+        if getattr(report.hypotheses, item.name) != getattr(result.hypotheses, item.name)
+    ]:
+        raise ParameterError(
+            "result",
+            "the proof and the search are not of the same arm, M̄, condition and domain: they differ in "
+            f"{', '.join(differing)}",
+        )
     searched = report.lower >= result.lower
     lower = max(report.lower, result.lower)
     verdict, refuted = result.verdict, result.scale_refuted
     if lower >= 1.0:
         verdict, refuted = "violated", min(refuted, 1.0)
     sampled = "sampled and searched, not proven"
-    subject = report.subject
-    if not searched:
-        subject = next(case.domain.arm for case in result.cases if case.label == result.worst_case)
+    subject = report.subject if searched else result.cases[result.worst_index].domain.arm
     return replace(
         report,
         kind="certified",

@@ -13,6 +13,7 @@ from asmc_pin.condition.design_report import DesignReport, Point
 from asmc_pin.condition.exchange import Active, Exchanged, exchange
 from asmc_pin.condition.explain import limits_of, other_condition, what_armature_buys
 from asmc_pin.condition.lemma1 import Condition, check_condition
+from asmc_pin.condition.premises import hypotheses_of
 from asmc_pin.condition.program import Bounds, Form
 from asmc_pin.condition.variants import ArmatureRange, Case, LockChoices, PayloadRange, cases
 from asmc_pin.condition.verify import verify
@@ -111,9 +112,7 @@ def design(
     if fastest is not None:
         curve.append(point_of(fastest))
     return DesignReport(
-        arm=all_cases[0].domain.arm.name,
-        joints=all_cases[0].domain.arm.joint_names,
-        condition=condition,
+        hypotheses=check.hypotheses,
         objective=objective,
         form=form,
         bounds=(limits.lower, limits.upper),
@@ -169,9 +168,7 @@ def _infeasible(
     seconds: float,
 ) -> DesignReport:
     return DesignReport(
-        arm=all_cases[0].domain.arm.name,
-        joints=all_cases[0].domain.arm.joint_names,
-        condition=condition,
+        hypotheses=hypotheses_of(all_cases, None, condition),
         objective=objective,
         form=form,
         bounds=(limits.lower, limits.upper),

@@ -8,8 +8,9 @@ from typing import Any, Literal
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.lemma1 import FORMULAS, Condition
+from asmc_pin.condition.hypotheses import Condition, Hypotheses
 from asmc_pin.condition.report import ConditionReport
+from asmc_pin.text import printable
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,9 +82,8 @@ class DesignReport:
     """The M̄ that was found, what it is worth, and what limits it.
 
     Attributes:
-        arm: Name of the arm.
-        joints: Its moving joints, base first.
-        condition: ``lemma1`` or ``weighted``.
+        hypotheses: What the verdict is about: arm, condition, armature, payload, locked joints, box, and the M̄ if there
+            is one.
         objective: ``contraction`` or ``bandwidth``.
         form: ``diagonal`` or ``scalar``.
         bounds: Least and largest m̄ᵢ, each (nv,), kg·m².
@@ -102,9 +102,7 @@ class DesignReport:
         weighted: What the weighted condition would allow; None for a design under it.
     """
 
-    arm: str
-    joints: tuple[str, ...]
-    condition: Condition
+    hypotheses: Hypotheses
     objective: str
     form: str
     bounds: tuple[Array, Array]
@@ -123,9 +121,28 @@ class DesignReport:
     weighted: Weighted | None = None
 
     @property
+    def arm(self) -> str:
+        """Name of the arm."""
+        return self.hypotheses.arm
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Its moving joints, base first."""
+        return self.hypotheses.joints
+
+    @property
+    def condition(self) -> Condition:
+        """``lemma1`` or ``weighted``."""
+        return self.hypotheses.condition
+
+    @property
     def formula(self) -> str:
         """The condition as an inequality."""
-        return FORMULAS[self.condition]
+        return self.hypotheses.formula
+
+    def rows(self) -> list[tuple[str, str]]:
+        """The hypotheses, and within which bounds M̄ was looked for."""
+        return [*self.hypotheses.rows(), ("M̄ looked for", self._within())]
 
     def to_json_dict(self) -> dict[str, Any]:
         """The object that ``asmc-pin design --json`` prints: that of `verify` for the M̄ found, and more.
@@ -133,15 +150,14 @@ class DesignReport:
         Where infeasible, figures of the M̄ that does not exist are None.
         """
         content: dict[str, Any] = {
-            "arm": self.arm,
-            "joints": list(self.joints),
-            "mbar": None,
-            "condition": self.condition,
+            **self.hypotheses.to_json_dict(),
             "verdict": self.verdict,
             "kind": "sampled",
             "lower": None,
             "upper": None,
             "worst_q": None,
+            "worst_payload": None,
+            "worst_armature": None,
             "configurations": 0,
             "seconds": self.seconds,
         }
@@ -150,6 +166,10 @@ class DesignReport:
         content |= {
             "objective": self.objective,
             "form": self.form,
+            "bounds": {
+                name: [low, high if np.isfinite(high) else None]
+                for name, low, high in zip(self.joints, *(end.tolist() for end in self.bounds), strict=True)
+            },
             "bound": self.bound,
             "bandwidth": self.bandwidth,
             "level": self.level,
@@ -172,14 +192,36 @@ class DesignReport:
         return content
 
     def explanation(self) -> list[str]:
-        """The report in plain words, a line per finding."""
+        """The report in plain words, a line per finding: the verdict, what it is about, and why it is no better."""
+        return [self._headline(), *(f"{term}: {text}" for term, text in self.rows()), *self.reasons()]
+
+    def _headline(self) -> str:
+        title = self.hypotheses.title
         if self.mbar is None:
             bound = "" if self.bound is None else f"; the least norm possible is {self.bound:.6g}"
-            return [f"{self.arm}: no M̄ within the bounds satisfies {self.formula}{bound}", *self._limits()]
+            return f"{title}: no M̄ within the bounds satisfies {self.formula}{bound}"
+        assert self.check is not None
+        return (
+            f"{title}: {self.formula}, largest norm found {self.check.lower:.6g} "
+            f"({self.check.verdict}, {self.check.kind}), least possible {self.bound:.6g}"
+        )
+
+    def _within(self) -> str:
+        lower, upper = self.bounds
+        ends = (
+            f"{printable(name)} {low:g}:{'' if np.isinf(high) else f'{high:g}'}"
+            for name, low, high in zip(self.joints, lower, upper, strict=True)
+            if low > 0.0 or np.isfinite(high)
+        )
+        kind = "one m̄ for all joints" if self.form == "scalar" else "one m̄ per joint"
+        return f"{kind}, within {', '.join(ends) or 'no bounds'}"
+
+    def reasons(self) -> list[str]:
+        """What is proven, what limits M̄, and what would help; a line per finding."""
+        if self.mbar is None:
+            return self._limits()
         assert self.check is not None
         lines = [
-            f"{self.arm}: {self.formula}, largest norm found {self.check.lower:.6g} "
-            f"({self.check.verdict}, {self.check.kind}), least possible {self.bound:.6g}",
             *self._proven(self.check),
             "M̄ = " + ",".join(repr(float(value)) for value in self.mbar),
             f"slowest mode of the estimate: λ_min(M⁻¹M̄) = {self.bandwidth:.4g} per sample",
@@ -189,7 +231,8 @@ class DesignReport:
             curve = ", ".join(f"{point.norm:.5g} / {point.bandwidth:.4g}" for point in self.trade_off)
             lines.append(f"trade-off, norm / λ_min(M⁻¹M̄), from least norm to largest bandwidth: {curve}")
         lines += [
-            f"armature of {_list(item.armature)} kg·m² more on {item.where} would allow a norm of {item.norm:.5g}"
+            f"armature of {_list(item.armature)} kg·m² more on {printable(item.where)} would allow a norm of "
+            f"{item.norm:.5g}"
             for item in self.armature_buys
         ]
         if self.weighted is not None:
@@ -203,7 +246,7 @@ class DesignReport:
 
     @staticmethod
     def _proven(check: ConditionReport) -> list[str]:
-        if check.scale_proven is None:
+        if not check.scale_proven:
             return []
         bound = "" if check.upper is None else f"the norm is at most {check.upper:.6g} over the box, and "
         return [f"proven: {bound}the condition holds for M̄ times {check.scale_proven:.6g}"]
@@ -211,7 +254,7 @@ class DesignReport:
     def _limits(self) -> list[str]:
         return [
             f"limited at q = {_list(item.q)} ({item.share:.0%}{', ' + item.case if item.case else ''}): M̄ is too "
-            f"{item.side} for the inertia that joint '{item.joint}' has there"
+            f"{item.side} for the inertia that joint '{printable(item.joint)}' has there"
             for item in self.limits
         ]
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.box import BoxLike
+from asmc_pin.condition.box import BoxLike, asked_box
 from asmc_pin.condition.stability.limits import modes_of
 from asmc_pin.condition.stability.linear_map import modal_radius
 from asmc_pin.condition.stability.loop import Acceleration, SampledLoop
@@ -18,6 +18,7 @@ from asmc_pin.condition.stability.prediction import drift_error, step_response
 from asmc_pin.condition.stability.report import StabilityReport, loop_for, stability
 from asmc_pin.condition.stability.workspace import Workspace, gravity_stiffness, workspace_of
 from asmc_pin.errors import ParameterError
+from asmc_pin.units import check_delay
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -73,7 +74,8 @@ class GainDesign:
         assert limits is not None
         low, high = limits.gain_margin
         return [
-            f"L = {self.loop.period:g} s: β = k_s = {self.loop.beta[0]:.4g} 1/s, M̄ times {self.mbar_scale:.3g}",
+            f"{self.report.about.title}, L = {self.loop.period:g} s: β = k_s = {self.loop.beta[0]:.4g} 1/s, "
+            f"M̄ times {self.mbar_scale:.3g}",
             "M̄ = " + ",".join(f"{value:.17g}" for value in self.loop.mbar),
             f"margins: torque gain {low:.3g} to {high:.3g}, extra delay {limits.delay_margin:.3g} periods",
             *(
@@ -136,7 +138,8 @@ def suggest_gains(
     loop = loop_for(arm, mbar, 1.0, 1.0, period, acceleration=acceleration, filter_hz=filter_hz, delay=delay)
     _check("gain_margin", gain_margin, 1.0)
     _check("delay_margin", delay_margin, 0.0)
-    workspace = workspace_of(arm, box, samples=samples, seed=seed)
+    check_delay(delay_margin, period, "delay_margin")
+    workspace = workspace_of(arm, asked_box(arm, box), samples=samples, seed=seed)
     ratios = modes_of(workspace, loop.mbar, 24).ratios
     scale, gain = _stiffest(ratios, loop, gain_margin, delay_margin, _SCALES if scale_mbar else np.ones(1))
     if gain == 0.0:

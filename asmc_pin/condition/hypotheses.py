@@ -1,12 +1,14 @@
 """What a verdict on M̄ is about: a theorem without its hypotheses is no theorem.
 
-One object and one wording for `verify`, `design` and `check`, in text, JSON and pages.
+One object and one wording for `verify`, `design` and `check`, in text, JSON and pages. Nothing heavy is imported here:
+who checks a certificate by another route uses it too.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
 from asmc_pin.text import printable
@@ -63,31 +65,30 @@ class Carried:
 
     def words(self) -> str:
         """The same for a person to read."""
-        at = ", ".join(f"{x:g}" for x in self.com)
+        at = ", ".join(f"{x:.10g}" for x in self.com)
         said = f"{_words(self.mass)} kg at ({at}) m on {printable(self.link)}"
-        if any(self.inertia):
-            said += f", inertia about its centre ({', '.join(f'{x:g}' for x in self.inertia)}) kg·m²"
+        if any(self.inertia) or any(self.inertia_lightest or ()):
+            said += f", inertia about its centre ({', '.join(f'{x:.10g}' for x in self.inertia)}) kg·m²"
             if self.inertia_lightest is not None:
-                lightest = ", ".join(f"{x:g}" for x in self.inertia_lightest)
+                lightest = ", ".join(f"{x:.10g}" for x in self.inertia_lightest)
                 said += f" where heaviest, ({lightest}) where lightest"
         return said
 
 
 @dataclass(frozen=True, kw_only=True)
-class Hypotheses:
-    """All that a verdict on M̄ rests on.
+class Premises:
+    """The arm that is spoken of, with all that was supposed about it, and where it may stand.
 
     Attributes:
         arm: Name of the arm.
         sha256: Hash of its URDF.
         joints: Its moving joints, base first.
         slides: Which of them are prismatic.
-        condition: ``lemma1`` or ``weighted``.
-        formula: The condition as an inequality, its level included.
-        mbar: Diagonal of M̄, kg·m².
         armature: Reflected rotor inertia per joint, kg·m² (kg where prismatic); a value or a range.
         payload: What the arm carries; None for nothing.
         locked: Joints held rigid, each at an angle or at each of several, rad (m where prismatic).
+        together: Whether several angles of several joints go first with first, second with second, and not each with
+            each; see `fold_locks`.
         box: The range of each joint, rad (m where prismatic).
         where: ``box``: all of `box`. ``motion``: the configurations of a motion, whose range is `box`. ``tube``: joint
             boxes around one motion's time slices, whose common range is `box`. ``boxes``: joint boxes, of which nothing
@@ -100,31 +101,41 @@ class Hypotheses:
     sha256: str
     joints: tuple[str, ...]
     slides: tuple[bool, ...]
-    condition: Condition
-    formula: str
-    mbar: tuple[float, ...]
     armature: tuple[float | Interval, ...]
     payload: Carried | None
     locked: Mapping[str, float | tuple[float, ...]]
     box: Mapping[str, Interval]
     where: Where = "box"
     parts: int = 1
-    boxes: tuple[tuple[tuple[float, ...], tuple[float, ...]], ...] = ()
+    together: bool = False
+    boxes: tuple[tuple[tuple[float, ...], tuple[float, ...]], ...] = field(default=(), repr=False)
+
+    @property
+    def title(self) -> str:
+        """The arm's name with all that is supposed about it, so that no headline is a theorem about the bare arm."""
+        supposed = []
+        if any(self.armature):
+            supposed.append(f"armature {self._armature()}")
+        if self.payload is not None:
+            supposed.append(f"payload {_words(self.payload.mass)} kg")
+        if self.locked:
+            supposed.append(f"{self._locks()} locked")
+        return printable(self.arm) + (f" with {', '.join(supposed)}" if supposed else "")
 
     def to_json_dict(self) -> dict[str, Any]:
-        """The keys of ``verify --json`` that are hypotheses; names without control characters."""
-        content = {
+        """The keys of ``verify --json`` that are about the arm; names without control characters."""
+        content: dict[str, Any] = {
             "arm": printable(self.arm),
             "sha256": self.sha256,
             "joints": [printable(name) for name in self.joints],
-            "mbar": list(self.mbar),
             "armature": [_plain(value) for value in self.armature],
             "payload": None if self.payload is None else self.payload.to_json_dict(),
             "locked": {printable(name): _plain(value) for name, value in self.locked.items()},
-            "box": {printable(name): list(ends) for name, ends in self.box.items()},
-            "scope": self.where,
-            "condition": self.condition,
         }
+        if self.together:
+            content["locked_together"] = True
+        box = {printable(name): list(ends) for name, ends in self.box.items()}
+        content |= {"box": box, "scope": self.where}
         if self.boxes:
             content["boxes"] = [
                 {printable(name): [lo, hi] for name, lo, hi in zip(self.joints, *ends, strict=True)}
@@ -134,48 +145,106 @@ class Hypotheses:
 
     def rows(self) -> list[tuple[str, str]]:
         """Terms and what they are, for a page or a terminal."""
-        units = ["m" if slides else "rad" for slides in self.slides]
-        ranges = (
-            f"{printable(name)} {lo:.10g}:{hi:.10g} {unit}"
-            for (name, (lo, hi)), unit in zip(self.box.items(), units, strict=True)
-        )
         over = {
             "box": "Joint box",
             "motion": "Along a motion within",
             "tube": f"In {self.parts} joint boxes along a motion, all within",
             "boxes": f"In {self.parts} joint boxes, and not between them, all within",
         }[self.where]
+        moving = f"{len(self.joints)} moving joint{'s' if len(self.joints) > 1 else ''}"
         return [
-            ("Arm", f"{printable(self.arm)}, {len(self.joints)} moving joints (URDF {self.sha256[:16]}…)"),
-            ("Condition", f"{NAMES[self.condition]}: {self.formula}"),
-            ("M̄", f"diag({', '.join(f'{m:.10g}' for m in self.mbar)}) kg·m²"),
-            ("Armature", _all_same(self.armature)),
+            ("Arm", f"{printable(self.arm)}, {moving} (URDF {self.sha256[:16]}…)"),
+            ("Armature", self._armature()),
             ("Payload", "none" if self.payload is None else self.payload.words()),
-            (
-                "Locked joints",
-                "; ".join(f"{printable(name)} at {_choices(angles)}" for name, angles in self.locked.items()) or "none",
-            ),
-            (over, ", ".join(ranges)),
+            ("Locked joints", self._locks("; ") or "none"),
+            (over, self._box()),
         ]
 
     def lines(self) -> list[str]:
         """The same as lines of text."""
         return [f"{term}: {text}" for term, text in self.rows()]
 
+    def _armature(self) -> str:
+        if not any(self.armature):
+            return "none"
+        said = [_words(value) for value in self.armature]
+        units = ["kg" if slides else "kg·m²" for slides in self.slides]
+        if len(set(said)) == len(set(units)) == 1:
+            return f"{said[0]} {units[0]}" + (" at every joint" if len(said) > 1 else "")
+        if len(set(units)) == 1:
+            return f"({', '.join(said)}) {units[0]}"
+        return f"({', '.join(f'{value} {unit}' for value, unit in zip(said, units, strict=True))})"
 
-def _all_same(values: Sequence[float | Interval]) -> str:
-    if all(value == 0.0 for value in values):
-        return "none"
-    said = [_words(value) for value in values]
-    return f"{said[0]} kg·m² at every joint" if len(set(said)) == 1 else f"{', '.join(said)} kg·m²"
+    def _box(self) -> str:
+        said = [
+            f"{lo:.10g}:{hi:.10g} {'m' if slides else 'rad'}"
+            for (lo, hi), slides in zip(self.box.values(), self.slides, strict=True)
+        ]
+        if len(set(said)) == 1 and len(said) > 1:
+            return f"{said[0]} at every joint"
+        return ", ".join(f"{printable(name)} {ends}" for name, ends in zip(self.box, said, strict=True))
+
+    def _locks(self, separator: str = ", ") -> str:
+        said = separator.join(f"{printable(name)} at {_choices(angles)}" for name, angles in self.locked.items())
+        return f"{said} (first with first, and so on)" if self.together else said
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hypotheses(Premises):
+    """All that a verdict on M̄ rests on.
+
+    Attributes:
+        condition: ``lemma1`` or ``weighted``.
+        formula: The condition as an inequality, its level included.
+        mbar: Diagonal of M̄, kg·m²; empty where one was looked for and there is none.
+    """
+
+    condition: Condition
+    formula: str
+    mbar: tuple[float, ...]
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The keys of ``verify --json`` that are hypotheses; names without control characters."""
+        about = super().to_json_dict()
+        first = {key: about.pop(key) for key in ("arm", "sha256", "joints")}
+        return first | {"mbar": list(self.mbar) or None} | about | {"condition": self.condition}
+
+    def rows(self) -> list[tuple[str, str]]:
+        """Terms and what they are, for a page or a terminal."""
+        arm, *others = super().rows()
+        found = [arm, ("Condition", f"{NAMES[self.condition]}: {self.formula}")]
+        if self.mbar:
+            found.append(("M̄", f"diag({', '.join(f'{m:.10g}' for m in self.mbar)}) kg·m²"))
+        return found + others
+
+
+def fold_locks(choices: Sequence[Mapping[str, float]]) -> tuple[dict[str, float | tuple[float, ...]], bool]:
+    """The locked joints of several arms in one mapping.
+
+    Args:
+        choices: Joint to angle, of each arm; all of the same joints.
+
+    Returns:
+        Joint to its angle, or to each of its several; and whether these go together (first with first) because not
+        every combination of them is among the arms.
+    """
+    distinct = list({tuple(sorted(choice.items())): choice for choice in choices}.values())
+    seen = {name: tuple(dict.fromkeys(choice[name] for choice in distinct)) for name in distinct[0]}
+    together = len(distinct) != math.prod(len(angles) for angles in seen.values())
+    if together:
+        seen = {
+            name: angles if len(angles) == 1 else tuple(choice[name] for choice in distinct)
+            for name, angles in seen.items()
+        }
+    return {name: angles[0] if len(angles) == 1 else angles for name, angles in seen.items()}, together
 
 
 def _words(value: float | Interval) -> str:
-    return f"{value[0]:g} to {value[1]:g}" if isinstance(value, tuple) else f"{value:g}"
+    return f"{value[0]:.10g} to {value[1]:.10g}" if isinstance(value, tuple) else f"{value:.10g}"
 
 
 def _choices(angles: float | tuple[float, ...]) -> str:
-    return " and at ".join(f"{a:g}" for a in angles) if isinstance(angles, tuple) else f"{angles:g}"
+    return " and at ".join(f"{a:.10g}" for a in angles) if isinstance(angles, tuple) else f"{angles:.10g}"
 
 
 def _plain(value: float | tuple[float, ...]) -> Any:

@@ -12,12 +12,9 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.condition import kernels
 from asmc_pin.condition.hypotheses import Condition as Condition
-from asmc_pin.condition.hypotheses import formula
 from asmc_pin.errors import NotPositiveDefinite, ParameterError
 
 CONDITIONS: tuple[Condition, ...] = get_args(Condition)
-
-FORMULAS: dict[Condition, str] = {condition: formula(condition) for condition in CONDITIONS}
 
 
 def lemma1_norm(mass: Array, mbar: Array) -> Array:

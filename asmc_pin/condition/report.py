@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from asmc_pin._typing import Array
-from asmc_pin.condition.lemma1 import FORMULAS, Condition
+from asmc_pin.condition.hypotheses import Condition, Hypotheses, Where
+from asmc_pin.condition.premises import worst_keys
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -19,11 +22,7 @@ class ConditionReport:
     """Whether M̄ satisfies a condition on an arm, and what that rests on.
 
     Attributes:
-        arm: Name of the arm.
-        sha256: Hash of its URDF.
-        joints: Its moving joints, base first.
-        mbar: Diagonal of M̄, shape (nv,), kg·m².
-        condition: ``lemma1`` or ``weighted``.
+        hypotheses: What the verdict is about: arm, M̄, condition, armature, payload, locked joints, box.
         verdict: ``violated``: `worst_q` is a counter-example. ``holds``: proven over the box. ``unrefuted``: sampled
             and searched only, which can refute and never prove. ``undecided``: neither within the budget.
         kind: ``sampled`` or ``certified``.
@@ -33,7 +32,6 @@ class ConditionReport:
         configurations: How many configurations were evaluated.
         seconds: Wall time.
         notes: What a reader has to know, in plain words.
-        box: Joint box, lower and upper ends, each (nv,); where it was along a motion, the range of the motion.
         smallest: Smallest norm among the samples.
         subject: The arm that `lower` belongs to, with its payload and locks, but for the armature.
         worst_case: Which end of the ranges (payload, locks) `lower` belongs to; empty without ranges.
@@ -46,15 +44,10 @@ class ConditionReport:
         tde_error: Along recorded data with torque: the TDE error that M̄ would have made; see `tde_error`.
         scale_proven: The condition is proven for M̄ times this; None unless asked for.
         scale_refuted: A counter-example was found for M̄ times this; None unless asked for.
-        scope: Over what: ``box``, ``motion`` or ``tube``.
         method: How `lower` and `upper` were obtained, one sentence each.
     """
 
-    arm: str
-    sha256: str
-    joints: tuple[str, ...]
-    mbar: Array
-    condition: Condition
+    hypotheses: Hypotheses
     verdict: Verdict
     kind: Literal["sampled", "certified"]
     lower: float
@@ -62,7 +55,6 @@ class ConditionReport:
     worst_q: Array
     configurations: int
     seconds: float
-    box: tuple[Array, Array]
     smallest: float
     worst_armature: Array
     samples: Array = field(repr=False)
@@ -76,26 +68,54 @@ class ConditionReport:
     tde_error: Array | None = field(default=None, repr=False)
     scale_proven: float | None = None
     scale_refuted: float | None = None
-    scope: Literal["box", "motion", "tube"] = "box"
     method: tuple[str, ...] = ()
+
+    @property
+    def arm(self) -> str:
+        """Name of the arm."""
+        return self.hypotheses.arm
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Its moving joints, base first."""
+        return self.hypotheses.joints
+
+    @property
+    def mbar(self) -> Array:
+        """Diagonal of M̄, shape (nv,), kg·m²."""
+        return np.array(self.hypotheses.mbar)
+
+    @property
+    def condition(self) -> Condition:
+        """``lemma1`` or ``weighted``."""
+        return self.hypotheses.condition
 
     @property
     def formula(self) -> str:
         """The condition as an inequality."""
-        return FORMULAS[self.condition]
+        return self.hypotheses.formula
+
+    @property
+    def scope(self) -> Where:
+        """Over what: ``box``, ``motion`` or ``tube``."""
+        return self.hypotheses.where
+
+    @property
+    def box(self) -> tuple[Array, Array]:
+        """Joint box, lower and upper ends, each (nv,); where it was along a motion, the range of the motion."""
+        lower, upper = np.array(list(self.hypotheses.box.values())).T
+        return lower, upper
 
     def to_json_dict(self) -> dict[str, Any]:
         """The object that ``asmc-pin verify --json`` prints; undefined figures are None."""
         content: dict[str, Any] = {
-            "arm": self.arm,
-            "joints": list(self.joints),
-            "mbar": self.mbar.tolist(),
-            "condition": self.condition,
+            **self.hypotheses.to_json_dict(),
             "verdict": self.verdict,
             "kind": self.kind,
             "lower": self.lower,
             "upper": self.upper,
             "worst_q": self.worst_q.tolist(),
+            **worst_keys(self.hypotheses, self.subject, self.worst_armature),
             "configurations": self.configurations,
             "seconds": self.seconds,
         }

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.box import BoxLike, resolve_box
+from asmc_pin.condition.box import BoxLike, asked_box, resolve_box
 from asmc_pin.condition.sampling import Domain
 from asmc_pin.errors import ParameterError
+from asmc_pin.text import printable
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -72,7 +73,7 @@ def cases(
     for held, lock_label in _locked(arm, lock):
         for carrying, load_label in _carrying(held, payload):
             lower, upper = armature_range(carrying, armature)
-            domain = Domain(carrying, resolve_box(carrying, box), lower, upper)
+            domain = Domain(carrying, resolve_box(carrying, asked_box(carrying, box)), lower, upper)
             found.append(Case(domain, ", ".join(filter(None, (lock_label, load_label)))))
     return found
 
@@ -88,12 +89,14 @@ def _locked(arm: Arm, lock: LockChoices) -> list[tuple[Arm, str]]:
             raise ParameterError("lock", f"{angles!r} given for joint '{joint}', one or more angles expected") from None
         if not values:
             raise ParameterError("lock", f"no angle given for joint '{joint}'")
-        choices.append([(joint, value) for value in values])
+        choices.append([(joint, value) for value in dict.fromkeys(values)])
     several = any(len(choice) > 1 for choice in choices)
     found = []
+    # As it was asked for, and not as it came out: what mimics a locked joint has to follow each choice.
+    asked = arm.made_of[2].lock or {}
     for chosen in product(*choices):
-        label = ", ".join(f"{joint} locked at {value:g}" for joint, value in chosen) if several else ""
-        found.append((arm.replace(lock={**arm.locked, **dict(chosen)}), label))
+        label = ", ".join(f"{printable(joint)} locked at {value:g}" for joint, value in chosen) if several else ""
+        found.append((arm.replace(lock={**asked, **dict(chosen)}), label))
     return found
 
 
@@ -117,6 +120,8 @@ def _carrying(arm: Arm, payload: PayloadRange) -> list[tuple[Arm, str]]:
             "payload",
             "the ends have different centres or links, and between such the condition need not hold; verify each alone",
         )
+    if masses[0] == masses[1] > 0.0 and light != heavy:
+        raise ParameterError("payload", f"both ends weigh {masses[0]:g} kg; a range has a lighter and a heavier end")
     if light == heavy:
         ends, masses = ends[:1], masses[:1]
     return [(end, f"payload {mass:g} kg") for end, mass in zip(ends, masses, strict=True)]

@@ -5,24 +5,25 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.along import Motion, motion_of, norms_along, tube, worst_in_tube
+from asmc_pin.condition.along import Motion, check_units, motion_of, norms_along, tube, worst_in_tube
 from asmc_pin.condition.box import BoxLike
+from asmc_pin.condition.hypotheses import Where
 from asmc_pin.condition.lemma1 import Condition, check_condition, check_mbar
+from asmc_pin.condition.premises import hypotheses_of
 from asmc_pin.condition.recorded import Recording, read_recording, tde_error
 from asmc_pin.condition.report import ConditionReport
 from asmc_pin.condition.sampling import NORM
 from asmc_pin.condition.search import SAMPLES, STARTS, maximise
 from asmc_pin.condition.variants import ArmatureRange, Case, LockChoices, PayloadRange, cases
+from asmc_pin.text import printable
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
-
-Scope = Literal["box", "motion", "tube"]
 
 
 class _Seen(NamedTuple):
@@ -38,11 +39,11 @@ class _Seen(NamedTuple):
 class _Outcome(NamedTuple):
     """What was seen over all cases: the norms at every sample, and along a motion the largest at each time."""
 
-    scope: Scope
+    where: Where
     seen: list[_Seen]
     cloud: Array
     configurations: int
-    ends: tuple[Array, Array]
+    boxes: list[tuple[Array, Array]]
     method: str
     times: Array | None = None
     norms: Array | None = None
@@ -114,6 +115,7 @@ def verify(
         if isinstance(along, str | Path):
             along = read_recording(along, first.arm)
         motion = motion_of(along, first.arm.nv, period=period, duration=duration)
+        check_units(first.arm, along, motion)
         if tube_width is None:
             outcome = _along_motion(all_cases, values, condition, motion)
         else:
@@ -123,11 +125,7 @@ def verify(
             error = tde_error(first.arm, values, along, period=period)
     worst = max(outcome.seen, key=lambda item: item.norm)
     return ConditionReport(
-        arm=arm.name,
-        sha256=arm.sha256,
-        joints=first.arm.joint_names,
-        mbar=values,
-        condition=condition,
+        hypotheses=hypotheses_of(all_cases, values, condition, where=outcome.where, boxes=outcome.boxes),
         verdict="violated" if worst.norm >= 1.0 else "unrefuted",
         kind="sampled",
         lower=worst.norm,
@@ -135,11 +133,10 @@ def verify(
         worst_q=worst.q,
         configurations=outcome.configurations,
         seconds=time.perf_counter() - began,
-        box=outcome.ends,
         smallest=float(outcome.cloud.min()),
         worst_armature=worst.armature,
         samples=outcome.cloud,
-        notes=tuple(_notes(all_cases, condition, worst.norm, outcome.scope)),
+        notes=tuple(_notes(all_cases, condition, worst.norm, outcome.where)),
         worst_case=worst.case.label,
         subject=worst.case.domain.arm,
         times=outcome.times,
@@ -147,7 +144,6 @@ def verify(
         motion=outcome.motion,
         worst_time=worst.when,
         tde_error=error,
-        scope=outcome.scope,
         method=(outcome.method,),
     )
 
@@ -166,7 +162,7 @@ def _over_box(
         [_Seen(f.value, f.q, f.armature, case, None) for f, case in zip(found, all_cases, strict=True)],
         np.concatenate([f.samples for f in found]),
         sum(f.configurations for f in found),
-        (box.lower, box.upper),
+        [(box.lower, box.upper)],
         f"{samples} scrambled Sobol samples of the joint box (seed {seed}), then local maximisation with exact "
         f"gradients from {starts} of them and more",
     )
@@ -187,7 +183,7 @@ def _along_motion(all_cases: Sequence[Case], mbar: Array, condition: Condition, 
         seen,
         np.concatenate(tracks),
         motion.times.size * len(all_cases),
-        (motion.q.min(axis=0), motion.q.max(axis=0)),
+        [(motion.q.min(axis=0), motion.q.max(axis=0))],
         f"the norm at {motion.times.size} instants of {motion.name}",
         motion.times,
         largest,
@@ -205,7 +201,7 @@ def _in_tube(
     starts: int,
     seed: int,
 ) -> _Outcome:
-    parts = tube(motion, *reach)
+    parts = tube(motion, *reach, all_cases[0].domain.arm.joint_kinds)
     each = max(256, samples // len(parts))
     seen, tops, clouds, configurations = [], [], [], 0
     for case in all_cases:
@@ -220,19 +216,19 @@ def _in_tube(
         seen,
         np.concatenate(clouds),
         configurations,
-        (np.min([part.lower for part in parts], axis=0), np.max([part.upper for part in parts], axis=0)),
+        [(part.lower, part.upper) for part in parts],
         f"{each} samples (seed {seed}) and local maximisation in each of {len(parts)} time slices around {motion.name}",
         np.array([part.start for part in parts]),
         np.max(tops, axis=0),
     )
 
 
-def _notes(all_cases: Sequence[Case], condition: Condition, norm: float, scope: Scope) -> list[str]:
+def _notes(all_cases: Sequence[Case], condition: Condition, norm: float, where: Where) -> list[str]:
     domain = all_cases[0].domain
     arm, box = domain.arm, domain.box
     notes = []
-    idle = [f"'{name}'" for name, idles in zip(arm.joint_names, box.idle, strict=True) if idles]
-    if scope != "motion" and idle:
+    idle = [f"'{printable(name)}'" for name, idles in zip(arm.joint_names, box.idle, strict=True) if idles]
+    if where != "motion" and idle:
         names = ", ".join(idle)
         notes.append(f"M(q) does not depend on {names}, which carries the whole arm: held at the middle of its range")
     if condition == "lemma1" and len(set(arm.joint_kinds)) > 1:

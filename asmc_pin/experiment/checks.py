@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
+import numpy as np
 from pydantic import BaseModel, ValidationError
 
+from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
-from asmc_pin.errors import ExperimentError
+from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment.constructors import Problem, Signature, construct, nearest
 from asmc_pin.experiment.laws import LAWS, load_law
 from asmc_pin.experiment.schema import ExperimentTables
-from asmc_pin.references import REFERENCES
+from asmc_pin.references import REFERENCES, Reference
+from asmc_pin.units import check_delay, check_motion
+
+_LOOKS = 2001
+"""Instants of a reference at which its units are looked at."""
 
 _RESERVED = {
     "period": "stands once, at the top of the file, for every controller",
@@ -92,6 +98,38 @@ def reference_problems(table: Any, folder: Path) -> tuple[Any, list[Problem]]:
     if isinstance(values.get("path"), str):
         values["path"] = str(folder / values["path"])  # an absolute one stays as it is
     return construct(cls, values, "reference")
+
+
+def delay_problems(data: Mapping[str, Any]) -> list[Problem]:
+    """Delays of the drive and the sensor, in periods, that look like seconds."""
+    period, plant = data.get("period"), data.get("plant")
+    problems = []
+    for part in ("drive", "sensor"):
+        table = plant.get(part) if isinstance(plant, Mapping) else None
+        delay = table.get("delay") if isinstance(table, Mapping) else None
+        if isinstance(period, int | float) and period > 0.0 and isinstance(delay, int | float):
+            problems += _asked(f"plant.{part}.delay", check_delay, delay, period)
+    return problems
+
+
+def angle_problems(key: str, arm: Arm, q: Array) -> list[Problem]:
+    """Angles at which the arm is to stand, shape (nv,), that look like degrees."""
+    return _asked(key, check_motion, key, arm, "it", np.zeros(1), q[None, :])
+
+
+def motion_problems(reference: Reference, arm: Arm, duration: float) -> list[Problem]:
+    """A reference whose angles look like degrees."""
+    time = np.linspace(0.0, duration, _LOOKS)
+    motion = reference.evaluate(time)
+    return _asked("reference", check_motion, "reference", arm, "it", time, motion.q, motion.v)
+
+
+def _asked(key: str, check: Callable[..., None], *values: Any) -> list[Problem]:
+    try:
+        check(*values)
+    except ParameterError as error:
+        return [Problem(key, str(error).removeprefix(f"{error.parameter}: "))]
+    return []
 
 
 def controller_problems(data: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], list[Problem]]:

@@ -64,6 +64,7 @@ class Experiment(ExperimentTables):
             problems += checks.table_problems(error)
         problems += checks.reference_problems(content.get("reference"), folder)[1]
         problems += plant_parts(content.get("plant"))[1]
+        problems += checks.delay_problems(content)
         problems += checks.controller_problems(content, folder)[1]
         checks.fail(problems, origin)
         assert tables is not None
@@ -135,13 +136,14 @@ class Experiment(ExperimentTables):
         if not problems and reference.nv != arm.nv:
             problems = [Problem("reference", f"moves {reference.nv} joints, but {checks.joints_of(arm)}")]
         checks.fail(problems, self._origin)
-        if not problems and isinstance(reference, CartesianPath):
+        if isinstance(reference, CartesianPath):
+            checks.fail(checks.angle_problems("reference.start", arm, np.array(reference.start)), self._origin)
             try:
                 reference = reference.on(arm)
             except ParameterError as error:
                 text = str(error).removeprefix(f"{error.parameter}: ")
                 problems = [Problem(f"reference.{error.parameter}", text)]
-        checks.fail(problems, self._origin)
+        checks.fail(problems or checks.motion_problems(reference, arm, self.duration), self._origin)
         self._reference = reference
         made: Reference = reference
         return made
@@ -184,6 +186,9 @@ class Experiment(ExperimentTables):
         """
         arm = self.build_arm()
         checks.fail(checks.plant_size_problems(self, arm), self._origin)
+        if self.plant.q0 is not None:
+            q0 = np.broadcast_to(self.plant.q0, (arm.nv,))
+            checks.fail(checks.angle_problems("plant.q0", arm, q0), self._origin)
         elsewhere = {"q0", "v0", "friction", *TABLES, *LISTS}
         options = self.plant.model_dump(exclude=elsewhere, exclude_unset=True, exclude_none=True)
         options |= plant_parts(self._data.get("plant"))[0]

@@ -21,6 +21,9 @@ from pydantic import (
     field_validator,
 )
 
+from asmc_pin.errors import ParameterError
+from asmc_pin.units import LONGEST_PERIOD, check_period
+
 MOST_TICKS = 10_000_000
 """Longest run in control ticks: almost three hours at 1 ms, some gigabytes of trajectories for each controller."""
 
@@ -211,6 +214,14 @@ def _printable(value: dict[str, Any]) -> dict[str, Any]:
     return value
 
 
+def _in_seconds(period: float) -> float:
+    try:
+        check_period(period)
+    except ParameterError as error:
+        raise ValueError(str(error).removeprefix(f"{error.parameter}: ")) from None
+    return period
+
+
 class ExperimentTables(Table):
     """All keys at the top of an experiment file."""
 
@@ -219,7 +230,11 @@ class ExperimentTables(Table):
         description="results go to results/NAME; letters, digits, '.', '_' and '-'",
     )
     arm: Annotated[ArmTable, BeforeValidator(arm_table)] = Field(description="name, URDF path, or a table")
-    period: float = Field(gt=0.0, description="control period L of every controller, s")
+    period: Annotated[float, AfterValidator(_in_seconds)] = Field(
+        gt=0.0,
+        description="control period L of every controller, s",
+        json_schema_extra={"exclusiveMaximum": LONGEST_PERIOD},
+    )
     duration: float = Field(gt=0.0, description="length of the run, s")
     seed: int = Field(default=0, ge=0, description="seed of everything random")
     plant: PlantTable = Field(default_factory=PlantTable, description="the simulated world")

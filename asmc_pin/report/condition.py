@@ -17,7 +17,7 @@ from matplotlib import colormaps
 from asmc_pin.condition import ConditionReport, DesignReport
 from asmc_pin.errors import ParameterError
 from asmc_pin.report.condition_figures import COLOURS, along_figure, distribution_figure, maps_figure, trade_off_figure
-from asmc_pin.report.condition_text import NAMES, facts, joint_table, meaning, sentence
+from asmc_pin.report.condition_text import facts, headline, joint_table, meaning, sentence
 from asmc_pin.report.style import paper_style
 from asmc_pin.viewer.bodies import draw
 from asmc_pin.viewer.motion import Motion, describe
@@ -89,7 +89,7 @@ def _plates(report: ConditionReport | DesignReport) -> list[_Plate]:
 def _html(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Plate]) -> str:
     check = report.check if isinstance(report, DesignReport) else report
     body = [
-        f"<h1>{escape(NAMES[report.condition])} on {escape(arm.name)}: {escape(report.verdict)}</h1>",
+        f"<h1>{escape(headline(report))}</h1>",
         f'<p class="lead">{escape(report.formula)}</p>',
         f"<p>{escape(sentence(report))}</p>",
     ]
@@ -98,7 +98,7 @@ def _html(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Plate]
         body.append('<ul class="notes">' + "".join(f'<li class="note">{escape(n)}</li>' for n in notes) + "</ul>")
     if isinstance(report, DesignReport):
         body.append("<h2>Why this M̄, and what would help</h2>")
-        body += [f"<p>{escape(line)}</p>" for line in report.explanation()[1:]]
+        body += [f"<p>{escape(line)}</p>" for line in report.reasons()]
     body += ["<h2>What was asked and how</h2>", "<dl>"]
     body += [f"<dt>{escape(term)}</dt><dd>{escape(value)}</dd>" for term, value in facts(report, arm)]
     body.append("</dl>")
@@ -130,7 +130,7 @@ def _html(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Plate]
     body += [f"<p>{escape(line)}</p>" for line in meaning(report.condition)]
     return Template(_static("report.html")).substitute(
         policy=POLICY,
-        title=escape(f"{NAMES[report.condition]} on {arm.name}"),
+        title=escape(headline(report)),
         style=static("player.css") + _static("report.css"),
         body="\n".join(body),
         scripts=player_scripts() if check is not None else "",
@@ -140,7 +140,7 @@ def _html(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Plate]
 def _markdown(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Plate], stem: str) -> str:
     check = report.check if isinstance(report, DesignReport) else report
     lines = [
-        f"# {NAMES[report.condition]} on {arm.name}: {report.verdict}",
+        f"# {headline(report)}",
         "",
         f"`{report.formula}`",
         "",
@@ -149,7 +149,7 @@ def _markdown(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Pl
     if check is not None and check.notes:
         lines += ["", *(f"- {note}" for note in check.notes)]
     if isinstance(report, DesignReport):
-        lines += ["", "## Why this M̄, and what would help", "", *(f"- {line}" for line in report.explanation()[1:])]
+        lines += ["", "## Why this M̄, and what would help", "", *(f"- {line}" for line in report.reasons())]
     lines += ["", "## What was asked and how", "", *(f"- **{term}**: {value}" for term, value in facts(report, arm))]
     if check is not None:
         head, rows = joint_table(check, arm)

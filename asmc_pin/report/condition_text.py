@@ -8,21 +8,26 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asmc_pin.condition import Condition, ConditionReport, DesignReport
+from asmc_pin.condition.hypotheses import NAMES
+from asmc_pin.text import printable
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
-
-NAMES: dict[Condition, str] = {"lemma1": "Lemma 1", "weighted": "The weighted condition"}
 
 CONTINUOUS = (
     "It is a statement in continuous time: a sampled loop needs more, and its gains have to be checked separately."
 )
 
 _SCOPE = {
-    "box": "over the joint box",
+    "box": "over the joint box below",
     "motion": "along the motion",
     "tube": "in the tube around the motion",
 }
+
+
+def headline(report: ConditionReport | DesignReport) -> str:
+    """Condition, arm with all that is supposed about it, and the verdict."""
+    return f"{NAMES[report.condition]} on {report.hypotheses.title}: {report.verdict}"
 
 
 def sentence(report: ConditionReport | DesignReport) -> str:
@@ -32,21 +37,25 @@ def sentence(report: ConditionReport | DesignReport) -> str:
             bound = (
                 "" if report.bound is None else f": on the configurations below the least norm is {report.bound:.6g}"
             )
-            return f"No M̄ within the bounds satisfies the condition{bound}."
+            return f"No M̄ within the bounds satisfies the condition on {report.hypotheses.title}{bound}."
         return (
             f"The M̄ below was designed for {_objective(report)}. "
             f"No M̄ within the bounds has a norm below {report.bound:.6g}. {sentence(report.check)}"
         )
-    where = _SCOPE[report.scope]
+    arm, where = report.hypotheses.title, _SCOPE[report.scope]
     if report.verdict == "violated":
-        return f"M̄ violates the condition: at the configuration below the norm is {report.lower:.6g}, not below 1."
+        norm = f"the norm is {report.lower:.6g}, not below 1"
+        return f"On {arm}, M̄ violates the condition: at the configuration below {norm}."
     if report.verdict == "holds":
         bound = "below 1" if report.upper is None or report.upper >= 1.0 else f"at most {report.upper:.6g}"
-        return f"Proven {where}: the norm is {bound}. The largest that was found is {report.lower:.6g}."
+        return f"On {arm}, proven {where}: the norm is {bound}. The largest that was found is {report.lower:.6g}."
     if report.verdict == "undecided":
-        return f"Neither proven nor refuted {where} within the budget; the largest norm found is {report.lower:.6g}."
+        return (
+            f"On {arm}, neither proven nor refuted {where} within the budget; the largest norm found is "
+            f"{report.lower:.6g}."
+        )
     return (
-        f"No configuration that violates the condition was found {where}; the largest norm found is "
+        f"On {arm}, no configuration that violates the condition was found {where}; the largest norm found is "
         f"{report.lower:.6g}. This is a search and not a proof."
     )
 
@@ -61,23 +70,13 @@ def facts(report: ConditionReport | DesignReport, arm: Arm) -> list[tuple[str, s
     """Terms and what they are: all that is needed to check or repeat the statement."""
     check = report.check if isinstance(report, DesignReport) else report
     found = [
-        ("Condition", f"{NAMES[report.condition]}: {report.formula}"),
-        ("Arm", f"{arm.name}, {len(report.joints)} joints"),
-        ("URDF", arm.source.name),
+        *(report.rows() if isinstance(report, DesignReport) else report.hypotheses.rows()),
+        ("URDF", printable(arm.source.name)),
         ("SHA-256 of the URDF", arm.sha256),
     ]
     if check is not None:
-        subject = check.subject
-        if subject.payload is not None:
-            found.append(
-                ("Payload", f"{subject.payload.mass:g} kg at {subject.payload.com} m on {subject.payload.link}")
-            )
-        if subject.locked:
-            found.append(
-                ("Locked joints", ", ".join(f"{joint} = {value:g}" for joint, value in subject.locked.items()))
-            )
         if check.worst_case:
-            found.append(("Worst of the cases", check.worst_case))
+            found.append(("Worst of the cases", printable(check.worst_case)))
         found += [
             ("Norm, largest found", repr(check.lower)),
             ("Norm, proven bound", "none: sampled only" if check.upper is None else repr(check.upper)),
@@ -101,14 +100,14 @@ def facts(report: ConditionReport | DesignReport, arm: Arm) -> list[tuple[str, s
 
 def joint_table(check: ConditionReport, arm: Arm) -> tuple[list[str], list[list[str]]]:
     """Header and rows: range, m̄, armature and the worst configuration of every joint; m̄ with all its digits."""
-    head = ["joint", "range", "m̄, kg·m²", "armature, kg·m²", "worst q", "deg"]
+    head = ["joint", "range", "m̄, kg·m²", "armature at the worst, kg·m²", "worst q", "deg"]
     rows = []
     kinds = dict(zip(check.subject.joint_names, check.subject.joint_kinds, strict=True))
     for i, joint in enumerate(check.joints):
         slides = kinds[joint] == "prismatic"
         rows.append(
             [
-                joint,
+                printable(joint),
                 f"{check.box[0][i]:.5g} … {check.box[1][i]:.5g} {'m' if slides else 'rad'}",
                 repr(float(check.mbar[i])),
                 f"{check.worst_armature[i]:g}",

@@ -17,6 +17,8 @@ from string import Template
 import numpy as np
 
 from asmc_pin.arms import Arm
+from asmc_pin.condition.hypotheses import Premises
+from asmc_pin.condition.premises import premises_along
 from asmc_pin.errors import ResultError
 from asmc_pin.metrics import METRICS
 from asmc_pin.report.fragments import definition_list, definitions, details, table_html
@@ -83,12 +85,14 @@ def report_text(result: Result) -> str:
 
 
 def _head(result: Result) -> Iterator[str]:
-    experiment, arm = result.experiment, result.experiment.build_arm()
+    experiment = result.experiment
+    about, arm = _about(result)
     trials = result.dataset.sizes["trial"]
+    several = f", {trials} trials" if trials > 1 else ""
     yield f"<h1>{escape(experiment.name)}</h1>"
     yield (
-        f'<p class="lead">{_labels(result, ", ")} on {escape(arm.name)}, {arm.nv} joints, {experiment.duration:g} s, '
-        f"control period {1e3 * experiment.period:g} ms{f', {trials} trials' if trials > 1 else ''}.</p>"
+        f'<p class="lead">{_labels(result, ", ")} on {escape(about.title)}, {arm.nv} joints, '
+        f"{experiment.duration:g} s, control period {1e3 * experiment.period:g} ms{several}.</p>"
     )
     yield '<ul class="cards">'
     yield from _cards(result)
@@ -181,18 +185,17 @@ def _figures(result: Result) -> Iterator[str]:
 
 
 def _conditions(result: Result) -> Iterator[str]:
-    experiment = result.experiment
-    arm = experiment.build_plant().arm  # with the rotors of its drives
+    about, arm = _about(result)
     yield '<h2 id="conditions">Arm and experiment</h2>'
     yield f'<div class="scroll" tabindex="0">{table_html(_joint_table(arm), {})}</div>'
-    facts = []
-    if arm.payload is not None:
-        facts.append(("Payload", f"{arm.payload.mass:g} kg"))
-    if arm.locked:
-        facts.append(("Locked joints", ", ".join(f"{name} at {angle:g}" for name, angle in arm.locked.items())))
-    if facts:
-        yield definition_list(facts)
-    yield details("The experiment as run", f"<pre>{escape(experiment.to_toml().strip())}</pre>")
+    yield definition_list(about.rows())
+    yield details("The experiment as run", f"<pre>{escape(result.experiment.to_toml().strip())}</pre>")
+
+
+def _about(result: Result) -> tuple[Premises, Arm]:
+    """The simulated arm, with the rotors of its drives, and what is supposed about it."""
+    arm = result.experiment.build_plant().arm
+    return premises_along(arm, result.dataset.q_ref.to_numpy()), arm
 
 
 def _joint_table(arm: Arm) -> Table:

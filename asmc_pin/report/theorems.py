@@ -10,6 +10,7 @@ from asmc_pin.report.tables import Table, markdown_table, number
 
 TITLE = "The paper's theorems, held against these runs"
 INTRODUCTION = (
+    "Claims about the arm as it is simulated, with the armature, payload and locked joints named at the top. "
     "Computed from the trajectories and the plant, which knows Γ (docs/monitors.md). Γ* is the largest TDE error of "
     "the run itself, so the bounds made from it are checks of consistency, no predictions. The proofs are in "
     "continuous time: a sampled loop may break them, and the reason is given."
@@ -65,15 +66,19 @@ def reasons(claims: pd.DataFrame) -> list[tuple[str, list[str]]]:
     return found
 
 
-def theorems_latex(claims: pd.DataFrame) -> str:
+def theorems_latex(claims: pd.DataFrame, about: str) -> str:
     """A ``table`` environment: a row for each controller, a column for each claim; it needs ``booktabs``.
 
     A broken claim has the share of the ticks in which it is, where it is judged tick by tick.
+
+    Args:
+        claims: See `asmc_pin.monitors.claim_rows`.
+        about: The arm with all that is supposed about it.
     """
     lines = [
         r"\begin{table}[t]",
         r"  \centering",
-        r"  \caption{The theorems of Baek, Jin and Han (2016), held against the runs.}",
+        rf"  \caption{{The theorems of Baek, Jin and Han (2016), held against the runs on {escape(about)}.}}",
         r"  \label{tab:theorems}",
         rf"  \begin{{tabular}}{{l{'l' * len(STATEMENTS)}}}",
         r"    \toprule",

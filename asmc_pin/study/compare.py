@@ -210,7 +210,7 @@ def _write(
     results.write_trajectories(comparison.dataset.assign_attrs(told), folder / results.TRAJECTORIES)
     results.write_summary(rows, folder / results.SUMMARY)
     (folder / "summary.md").write_text(summary_markdown(comparison), encoding="utf-8")
-    latex = "\n".join([latex_table(rows), theorems_latex(comparison.theorems.claims)])
+    latex = "\n".join([latex_table(rows), theorems_latex(comparison.theorems.claims, comparison.about.title)])
     (folder / "summary.tex").write_text(latex, encoding="utf-8")
     tell("figures", _SIMULATION + 0.03)
     draw_figures(comparison.dataset, folder / "figures", np.asarray(plant.effort_limit))

@@ -13,6 +13,8 @@ import pandas as pd
 import xarray as xr
 
 from asmc_pin.arms import Arm
+from asmc_pin.condition.hypotheses import Premises
+from asmc_pin.condition.premises import premises_along
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS, evaluate
 from asmc_pin.references import SolvedPath
@@ -62,6 +64,11 @@ class Comparison:
         refined = [] if self.refinement is None else self.refinement.notes()
         return lemma1_lines(self.lemma1) + theorem_lines(self.theorems.claims) + solved + refined
 
+    @property
+    def about(self) -> Premises:
+        """The arm that verdicts are about, with all that is supposed, along the reference."""
+        return premises_along(self.arm, self.dataset.q_ref.to_numpy())
+
     def overview(self) -> Table:
         """The table that a person reads first."""
         return overview(self.rows)
@@ -91,6 +98,7 @@ class Comparison:
             if label in self.lemma1:
                 item = self.lemma1[label]
                 figures["lemma1_along_reference"] = [item.lower, item.upper]
+                figures["lemma1_hypotheses"] = item.hypotheses.to_json_dict()
             figures["theorems"] = self.theorems.of_first_trial(str(rows.controller.iloc[0]))
             if label in self.tool:
                 figures["tool"] = tool_figures(self.tool[label])

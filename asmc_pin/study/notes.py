@@ -9,7 +9,9 @@ import numpy as np
 
 from asmc_pin.arms import Arm
 from asmc_pin.condition.gains_check import gain_warnings
+from asmc_pin.condition.hypotheses import Hypotheses
 from asmc_pin.condition.lemma1 import lemma1_norm
+from asmc_pin.condition.premises import hypotheses_on, premises_along
 from asmc_pin.controllers import Controller, Setpoint
 from asmc_pin.experiment import Experiment
 from asmc_pin.plant import Plant
@@ -17,16 +19,18 @@ from asmc_pin.references import check_reference
 from asmc_pin.rollout import Rollout
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Lemma1Range:
     """‖I − M⁻¹M̄‖₂ at the configurations of a reference.
 
     Attributes:
+        hypotheses: What it is about: the arm with its rotors, its first payload and its locked joints, and M̄.
         lower: Smallest value.
         upper: Largest value; below 1 at these configurations does not prove it between them, nor off the reference.
         worst_time: When the largest is reached, s.
     """
 
+    hypotheses: Hypotheses
     lower: float
     upper: float
     worst_time: float
@@ -47,7 +51,11 @@ def lemma1_along(
         time: Shape (T,), s.
         setpoint: Reference there, fields of shape (T, nv).
         laws: Controllers by label.
+
+    Returns:
+        By label; one and the same object for all laws with one M̄.
     """
+    about = premises_along(arm, setpoint.q)
     mass = arm.mass_matrix(setpoint.q)
     found: dict[str, Lemma1Range] = {}
     known: dict[bytes, Lemma1Range] = {}
@@ -60,7 +68,8 @@ def lemma1_along(
         if key not in known:
             norm = lemma1_norm(mass, diagonal)
             worst = int(np.argmax(norm))
-            known[key] = Lemma1Range(float(np.min(norm)), float(norm[worst]), float(time[worst]))
+            hypotheses = hypotheses_on(about, diagonal, "lemma1")
+            known[key] = Lemma1Range(hypotheses, float(np.min(norm)), float(norm[worst]), float(time[worst]))
         found[label] = known[key]
     return found
 
@@ -93,8 +102,9 @@ def before_the_run(
             violated.setdefault(item, []).append(label)
     for item, labels in violated.items():
         lines.append(
-            f"Lemma 1 is violated along the reference by the M̄ of {', '.join(labels)}: ‖I − M⁻¹M̄‖₂ = {item.upper:.4g} "
-            f"at t = {item.worst_time:.3f} s; 'asmc-pin design' finds an M̄ that keeps it below 1"
+            f"Lemma 1 is violated along the reference on {item.hypotheses.title} by the M̄ of {', '.join(labels)}: "
+            f"‖I − M⁻¹M̄‖₂ = {item.upper:.4g} at t = {item.worst_time:.3f} s; 'asmc-pin design' finds an M̄ that "
+            "keeps it below 1"
         )
     delay = plant.drive.delay if plant.drive is not None else 0.0
     return lines + gain_warnings(plant.arm, laws, experiment.period, delay=delay, viscous=friction.viscous)
@@ -118,7 +128,12 @@ def lemma1_lines(lemma1: Mapping[str, Lemma1Range]) -> list[str]:
     for label, item in lemma1.items():
         groups.setdefault(item, []).append(label)
     return [
-        f"Lemma 1 along the reference ({', '.join(labels)}): ‖I − M⁻¹M̄‖₂ = {item.lower:.4f} … {item.upper:.4f}, "
-        f"{item.verdict} (sampled at the control ticks)"
+        f"Lemma 1 along the reference on {item.hypotheses.title}, with M̄ = {_diagonal(item.hypotheses)} kg·m² of "
+        f"{', '.join(labels)}: ‖I − M⁻¹M̄‖₂ = {item.lower:.4f} … {item.upper:.4f}, {item.verdict} (sampled at the "
+        "control ticks)"
         for item, labels in groups.items()
     ]
+
+
+def _diagonal(hypotheses: Hypotheses) -> str:
+    return f"diag({', '.join(f'{m:.6g}' for m in hypotheses.mbar)})"

@@ -14,7 +14,8 @@ def summary_markdown(comparison: Comparison) -> str:
     lines = [
         f"# {experiment.name}",
         "",
-        f"{arm.name}, {arm.nv} joints, {experiment.duration:g} s, control period {1e3 * experiment.period:g} ms.",
+        f"{comparison.about.title}, {arm.nv} joints, {experiment.duration:g} s, "
+        f"control period {1e3 * experiment.period:g} ms.",
         "",
         *(f"- {line}" for line in comparison.notes),
         *(f"- Warning: {line}" for line in comparison.warnings),

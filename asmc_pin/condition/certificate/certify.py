@@ -17,8 +17,10 @@ from asmc_pin.condition.certificate.result import CertificateResult, Verdict
 from asmc_pin.condition.certificate.strategy import Progress, Prover
 from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.lemma1 import Condition, check_condition, check_mbar
+from asmc_pin.condition.premises import hypotheses_of
 from asmc_pin.condition.variants import ArmatureRange, LockChoices, PayloadRange
 from asmc_pin.errors import ParameterError
+from asmc_pin.text import printable
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -95,7 +97,7 @@ def certify(
     _check("threads", threads, threads >= 1, "at least 1")
     if level is not None:
         _check("level", level, 0.0 < level <= 1.0, "a number above 0 and at most 1")
-    all_cases, scope = domains(
+    all_cases, where, boxes = domains(
         arm,
         box=box,
         payload=payload,
@@ -111,7 +113,7 @@ def certify(
     values = check_mbar(mbar, first.nv)
     get_ready()
     began = time.monotonic()
-    if scope == "tube":
+    if where == "tube":
         samples, starts = max(256, samples // slices), max(4, starts // slices)
     worst = Worst(all_cases, values, condition, samples, starts, seed)
     prover = Prover(all_cases, values, condition, worst, began=began, budget=budget, threads=threads, progress=progress)
@@ -134,11 +136,7 @@ def certify(
     proofs = prover.proofs.get("scale", ()) + prover.proofs.get("level", ())
     counted = prover.proofs.get("scale" if asked == 1.0 else "level", ())
     return CertificateResult(
-        arm=arm.name,
-        joints=first.joint_names,
-        mbar=values,
-        condition=condition,
-        scope=scope,
+        hypotheses=hypotheses_of(all_cases, values, condition, where=where, boxes=boxes, level=asked),
         level=asked,
         verdict=verdict,
         lower=worst.norm,
@@ -170,5 +168,5 @@ def _check(name: str, value: float, good: bool, expected: str) -> None:
 
 def _notes(case: Any) -> tuple[str, ...]:
     arm, idle = case.domain.arm, case.domain.box.idle
-    names = ", ".join(f"'{name}'" for name, still in zip(arm.joint_names, idle, strict=True) if still)
+    names = ", ".join(f"'{printable(name)}'" for name, still in zip(arm.joint_names, idle, strict=True) if still)
     return (f"M(q) does not depend on joint {names}, which carries the whole arm",) if names else ()

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.along import motion_of, tube
+from asmc_pin.condition.along import check_units, motion_of, tube
 from asmc_pin.condition.box import BoxLike, resolve_box
+from asmc_pin.condition.hypotheses import Where
 from asmc_pin.condition.recorded import read_recording
 from asmc_pin.condition.sampling import Domain
 from asmc_pin.condition.variants import ArmatureRange, Case, LockChoices, PayloadRange, cases
@@ -16,8 +17,6 @@ from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
-
-Scope = Literal["box", "tube"]
 
 
 def domains(
@@ -32,11 +31,11 @@ def domains(
     slices: int,
     period: float | None,
     duration: float | None,
-) -> tuple[tuple[Case, ...], Scope]:
+) -> tuple[tuple[Case, ...], Where, list[tuple[Array, Array]]]:
     """One case per joint box and arm; arguments as of `certify`.
 
     Returns:
-        The cases, and whether they are of a joint box or of a tube's time slices.
+        The cases; whether they are of a joint box or of a tube's time slices; and those boxes, each once.
 
     Raises:
         ParameterError: A malformed range, or a motion without a tube around it.
@@ -45,13 +44,19 @@ def domains(
     if along is None:
         if tube_width is not None:
             raise ParameterError("tube_width", "is around a motion; give the motion with along")
-        return tuple(found), "box"
+        own = found[0].domain.box
+        return tuple(found), "box", [(own.lower, own.upper)]
     if tube_width is None:
         raise ParameterError("along", "a motion is a line, and a proof is about boxes; give the tube around it in rad")
     first = found[0].domain.arm
     if isinstance(along, str | Path):
         along = read_recording(along, first)
-    parts = tube(motion_of(along, first.nv, period=period, duration=duration), tube_width, slices)
+    motion = motion_of(along, first.nv, period=period, duration=duration)
+    check_units(first, along, motion)
+    slice_boxes = tube(motion, tube_width, slices, first.joint_kinds)
+    # Where the motion rests, one slice's box is another's: that is one statement, and proven once.
+    known = {(part.lower.tobytes(), part.upper.tobytes()): part for part in reversed(slice_boxes)}
+    parts = [part for part in slice_boxes if known[part.lower.tobytes(), part.upper.tobytes()] is part]
     sliced = []
     for case in found:
         domain = case.domain
@@ -64,4 +69,4 @@ def domains(
                     ", ".join(filter(None, (case.label, label))),
                 )
             )
-    return tuple(sliced), "tube"
+    return tuple(sliced), "tube", [(part.lower, part.upper) for part in parts]

@@ -6,11 +6,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from asmc_pin._typing import Array
-from asmc_pin.condition.certificate.domain import Scope
 from asmc_pin.condition.certificate.problem import Statement
 from asmc_pin.condition.certificate.walk import Record
-from asmc_pin.condition.hypotheses import Condition, formula
+from asmc_pin.condition.hypotheses import Condition, Hypotheses, Where
+from asmc_pin.condition.premises import worst_keys
 
 if TYPE_CHECKING:
     from asmc_pin.condition.variants import Case
@@ -31,11 +33,8 @@ class CertificateResult:
     """What is proven and what is refuted about M̄ over a joint box.
 
     Attributes:
-        arm: Name of the arm.
-        joints: Its moving joints, base first.
-        mbar: Diagonal of M̄, shape (nv,), kg·m².
-        condition: ``lemma1`` or ``weighted``.
-        scope: Over what: ``box``, or ``tube``, whose time slices are cases.
+        hypotheses: What it is about: arm, M̄, condition, armature, payload, locked joints, and the joint box, or the
+            tube, whose time slices are cases.
         level: γ of the verdict; 1 is the condition itself.
         verdict: ``holds``: proven for M̄ itself. ``violated``: `worst_q` is a counter-example. ``undecided``: neither.
         lower: Largest norm seen, at `worst_q`.
@@ -59,11 +58,7 @@ class CertificateResult:
         proofs: What `save` writes.
     """
 
-    arm: str
-    joints: tuple[str, ...]
-    mbar: Array
-    condition: Condition
-    scope: Scope
+    hypotheses: Hypotheses
     level: float
     verdict: Verdict
     lower: float
@@ -92,9 +87,34 @@ class CertificateResult:
         return (self.scale_refuted - self.scale_proven) / self.scale_refuted if self.scale_refuted > 0.0 else 1.0
 
     @property
+    def arm(self) -> str:
+        """Name of the arm."""
+        return self.hypotheses.arm
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Its moving joints, base first."""
+        return self.hypotheses.joints
+
+    @property
+    def mbar(self) -> Array:
+        """Diagonal of M̄, shape (nv,), kg·m²."""
+        return np.array(self.hypotheses.mbar)
+
+    @property
+    def condition(self) -> Condition:
+        """``lemma1`` or ``weighted``."""
+        return self.hypotheses.condition
+
+    @property
     def formula(self) -> str:
-        """The condition as an inequality."""
-        return formula(self.condition, self.level)
+        """The condition as an inequality, its level included."""
+        return self.hypotheses.formula
+
+    @property
+    def scope(self) -> Where:
+        """Over what: ``box`` or ``tube``."""
+        return self.hypotheses.where
 
     def save(self, path: str | Path) -> Path:
         """Write the proofs to a file that ``asmc-pin check`` replays.
@@ -115,15 +135,13 @@ class CertificateResult:
     def to_json_dict(self) -> dict[str, Any]:
         """The figures, in the names of ``asmc-pin verify --json --certify``; undefined ones are None."""
         return {
-            "arm": self.arm,
-            "joints": list(self.joints),
-            "mbar": self.mbar.tolist(),
-            "condition": self.condition,
+            **self.hypotheses.to_json_dict(),
             "verdict": self.verdict,
             "kind": "certified",
             "lower": self.lower,
             "upper": self.upper,
             "worst_q": self.worst_q.tolist(),
+            **worst_keys(self.hypotheses, self.cases[self.worst_index].domain.arm, self.worst_armature),
             "configurations": self.tests,
             "seconds": self.seconds,
             "scale_proven": self.scale_proven,

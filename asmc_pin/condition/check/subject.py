@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from asmc_pin.condition.check.contents import Case, Contents, Load, Malformed
 from asmc_pin.condition.check.links import Chain
 from asmc_pin.condition.check.urdf_text import Description
-from asmc_pin.condition.hypotheses import Carried, Hypotheses, formula
+from asmc_pin.condition.hypotheses import Carried, Hypotheses, fold_locks, formula
 from asmc_pin.text import printable
 
 
@@ -41,7 +41,7 @@ def subject(told: Contents, urdf: str, robot: Description, chain: Chain) -> Subj
         Malformed: The cases are not what one statement's ranges come to, so that no one sentence says what is proven.
     """
     cases = told.cases
-    locked = _locked(cases)
+    locked, together = _locked(cases)
     loads = _loads(cases)
     boxes = sorted({(case.lower, case.upper) for case in cases})
     ranges = {(case.armature_lower, case.armature_upper) for case in cases}
@@ -50,7 +50,7 @@ def subject(told: Contents, urdf: str, robot: Description, chain: Chain) -> Subj
     held = {tuple(sorted(case.locked.items())) for case in cases}
     # All are different and as many as there can be: then they are all of them.
     there = {(tuple(sorted(case.locked.items())), case.load, case.lower, case.upper) for case in cases}
-    if len(there) != len(held) * len(loads) * len(boxes) or len(held) != _count(locked) or len(cases) != len(there):
+    if len(there) != len(held) * len(loads) * len(boxes) or len(cases) != len(there):
         raise Malformed("the cases are not all the ends of its ranges, each once")
     low, high = next(iter(ranges))
     hull = zip(
@@ -69,6 +69,7 @@ def subject(told: Contents, urdf: str, robot: Description, chain: Chain) -> Subj
         armature=tuple(a if a == b else (a, b) for a, b in zip(low, high, strict=True)),
         payload=_carried(loads),
         locked=locked,
+        together=together,
         box=dict(zip(told.joints, hull, strict=True)),
         where="box" if len(boxes) == 1 else "boxes",
         parts=len(boxes),
@@ -77,22 +78,11 @@ def subject(told: Contents, urdf: str, robot: Description, chain: Chain) -> Subj
     return Subject(hypotheses, tuple(_label(case, locked, loads, boxes) for case in cases))
 
 
-def _locked(cases: tuple[Case, ...]) -> dict[str, float | tuple[float, ...]]:
+def _locked(cases: tuple[Case, ...]) -> tuple[dict[str, float | tuple[float, ...]], bool]:
     names = set(cases[0].locked)
     if any(set(case.locked) != names for case in cases):
         raise Malformed("the cases lock different joints")
-    found: dict[str, float | tuple[float, ...]] = {}
-    for name in cases[0].locked:
-        angles = tuple(sorted({case.locked[name] for case in cases}))
-        found[name] = angles[0] if len(angles) == 1 else angles
-    return found
-
-
-def _count(locked: dict[str, float | tuple[float, ...]]) -> int:
-    count = 1
-    for angles in locked.values():
-        count *= len(angles) if isinstance(angles, tuple) else 1
-    return count
+    return fold_locks(sorted((case.locked for case in cases), key=lambda locked: [locked[n] for n in cases[0].locked]))
 
 
 def _loads(cases: tuple[Case, ...]) -> tuple[Load | None, ...]:

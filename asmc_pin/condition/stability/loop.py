@@ -58,6 +58,20 @@ class SampledLoop:
         if not (_is_number(self.delay) and self.delay >= 0.0):
             raise ParameterError("delay", f"got {self.delay!r}; expected a number of periods, 0 or more")
 
+    def words(self) -> str:
+        """All of it for a person to read."""
+
+        def listed(values: Array) -> str:
+            return f"diag({', '.join(f'{x:.10g}' for x in values)})"
+
+        beta = f"{self.beta[0]:.10g}" if np.all(self.beta == self.beta[0]) else listed(self.beta)
+        return (
+            f"M̄ = {listed(self.mbar)} kg·m², K_s = {listed(self.ks)} 1/s, β = {beta} 1/s, L = {self.period:g} s, "
+            f"acceleration from {self.acceleration}"
+            + ("" if self.filter_hz is None else f" through a filter of {self.filter_hz:g} Hz")
+            + f", delay {self.delay:g} periods ({1e3 * self.delay * self.period:.3g} ms)"
+        )
+
     def scaled(self, *, mbar: float = 1.0, ks: float = 1.0, beta: float = 1.0, period: float = 1.0) -> SampledLoop:
         """The same loop with values multiplied by factors."""
         return replace(self, mbar=self.mbar * mbar, ks=self.ks * ks, beta=self.beta * beta, period=self.period * period)

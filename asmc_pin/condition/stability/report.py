@@ -11,11 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.box import BoxLike
+from asmc_pin.condition.box import BoxLike, asked_box
+from asmc_pin.condition.hypotheses import Premises
+from asmc_pin.condition.premises import ends_of, premises_of
 from asmc_pin.condition.stability.limits import Limits, limits_of
 from asmc_pin.condition.stability.loop import Acceleration, SampledLoop, positive_per_joint
 from asmc_pin.condition.stability.workspace import Workspace, workspace_of
 from asmc_pin.errors import ParameterError
+from asmc_pin.units import check_delay, check_period
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -26,8 +29,8 @@ class StabilityReport:
     """What was found about a sampled loop; by search, so that "stable" means that no configuration tried is unstable.
 
     Attributes:
-        arm: Name of the arm.
-        joints: Its joints.
+        about: What the verdict is about: arm, armature, payload, locked joints, box.
+        gravity: Acceleration of gravity in the base frame, shape (3,), m/s².
         loop: Gains and timing.
         spectral_radius: Largest one found over the workspace, M held at M(q), no other force.
         worst_q: Where, shape (nv,), rad.
@@ -39,8 +42,8 @@ class StabilityReport:
         seconds: Wall time.
     """
 
-    arm: str
-    joints: tuple[str, ...]
+    about: Premises
+    gravity: Array
     loop: SampledLoop
     spectral_radius: float
     worst_q: Array
@@ -50,6 +53,16 @@ class StabilityReport:
     limits: Limits | None
     configurations: int
     seconds: float
+
+    @property
+    def arm(self) -> str:
+        """Name of the arm."""
+        return self.about.arm
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Its moving joints, base first."""
+        return self.about.joints
 
     @property
     def stable(self) -> bool:
@@ -70,8 +83,8 @@ class StabilityReport:
         """Every figure by name; undefined ones are None."""
         loop, limits = self.loop, self.limits
         result: dict[str, Any] = {
-            "arm": self.arm,
-            "joints": list(self.joints),
+            **self.about.to_json_dict(),
+            "gravity": self.gravity.tolist(),
             "mbar": loop.mbar.tolist(),
             "ks": loop.ks.tolist(),
             "beta": _scalar(loop.beta),
@@ -106,9 +119,13 @@ class StabilityReport:
         return result
 
     def lines(self) -> list[str]:
-        """The report in plain words, a line per finding."""
+        """The report in plain words: the verdict, what it is about, and a line per finding."""
         text = [
-            f"{self.arm}: the sampled loop is {self.verdict.upper()} ({self.configurations} configurations searched)",
+            f"{self.about.title}: the sampled loop is {self.verdict.upper()} ({self.configurations} configurations "
+            "searched)",
+            *self.about.lines(),
+            f"Gravity: ({', '.join(f'{x:g}' for x in self.gravity)}) m/s² in the base frame",
+            f"Loop: {self.loop.words()}",
             f"spectral radius {self.spectral_radius:.6f}, worst at q = {_angles(self.worst_q)} rad",
             f"slowest decay there {self.decay_rate:.3g} 1/s; eigenvalues of M⁻¹M̄ over the workspace "
             f"{self.ratios[0]:.4g} to {self.ratios[1]:.4g}",
@@ -163,13 +180,13 @@ def stability(
     began = time.perf_counter()
     loop = loop_for(arm, mbar, ks, beta, period, acceleration=acceleration, filter_hz=filter_hz, delay=delay)
     friction = None if viscous is None else _viscous(viscous, arm.nv)
-    workspace = workspace_of(arm, box, samples=samples, seed=seed, viscous=friction)
+    workspace = workspace_of(arm, asked_box(arm, box), samples=samples, seed=seed, viscous=friction)
     radius, q, tried = workspace.worst(loop)
     rest_radius, rest_q, more = at_rest(workspace, loop, samples=samples, seed=seed)
     (low, _), (high, _) = workspace.ratio_range(loop.mbar)
     return StabilityReport(
-        arm=arm.name,
-        joints=arm.joint_names,
+        about=premises_of([arm], [ends_of(workspace.box)], (arm.armature, arm.armature)),
+        gravity=arm.gravity_vector,
         loop=loop,
         spectral_radius=radius,
         worst_q=q,
@@ -186,9 +203,12 @@ def loop_for(arm: Arm, mbar: ArrayLike, ks: ArrayLike, beta: ArrayLike, period: 
     """The loop with M̄ spread over the arm's joints.
 
     Raises:
-        ParameterError: as of `SampledLoop`.
+        ParameterError: as of `SampledLoop`, or a period or delay that is hardly meant in its unit.
     """
-    return SampledLoop(positive_per_joint("mbar", mbar, arm.nv, "kg·m²"), ks, beta, period, **timing)  # type: ignore[arg-type]
+    loop = SampledLoop(positive_per_joint("mbar", mbar, arm.nv, "kg·m²"), ks, beta, period, **timing)  # type: ignore[arg-type]
+    check_period(loop.period)
+    check_delay(loop.delay, loop.period)
+    return loop
 
 
 def at_rest(workspace: Workspace, loop: SampledLoop, *, samples: int, seed: int) -> tuple[float, Array, int]:
