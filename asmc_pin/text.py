@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 
 _LONGEST = 200
+
+_WORD = re.compile(r"[\w./+#()\[\]-]+")
 
 _UNSEEN = {
     0x034F,
@@ -43,8 +46,18 @@ def printable(text: str) -> str:
 
 
 def quoted(name: str) -> str:
-    """A name within a sentence: in quotes that it cannot close, so that it is not taken for what the tool says."""
+    """A name within a sentence: one word as it is, all else in quotes that it cannot close.
+
+    So a joint named ``shoulder -3:3 rad, elbow`` is not taken for two joints and what the tool says of them.
+    """
+    if _WORD.fullmatch(name) and printable(name) == name:
+        return name
     return "'" + printable(name).replace("\\", "\\\\").replace("'", "\\'") + "'"
+
+
+def exact(value: float) -> str:
+    """A number with as many digits as tell it from every other float: what is proven up to it is not proven beyond."""
+    return repr(float(value)).removesuffix(".0")
 
 
 def rounded_down(value: float, digits: int = 6) -> str:

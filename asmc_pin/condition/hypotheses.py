@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
-from asmc_pin.text import printable
+from asmc_pin.text import exact, printable, quoted
 
 Condition: TypeAlias = Literal["lemma1", "weighted"]
 """``lemma1``: ‖I − M⁻¹M̄‖₂ < 1. ``weighted``: M̄ ≺ 2M, that is max|1 − λ(M⁻¹M̄)| < 1."""
@@ -65,12 +65,12 @@ class Carried:
 
     def words(self) -> str:
         """The same for a person to read."""
-        at = ", ".join(f"{x:.10g}" for x in self.com)
-        said = f"{_words(self.mass)} kg at ({at}) m on {printable(self.link)}"
+        at = ", ".join(f"{exact(x)}" for x in self.com)
+        said = f"{_words(self.mass)} kg at ({at}) m on {quoted(self.link)}"
         if any(self.inertia) or any(self.inertia_lightest or ()):
-            said += f", inertia about its centre ({', '.join(f'{x:.10g}' for x in self.inertia)}) kg·m²"
+            said += f", inertia about its centre ({', '.join(f'{exact(x)}' for x in self.inertia)}) kg·m²"
             if self.inertia_lightest is not None:
-                lightest = ", ".join(f"{x:.10g}" for x in self.inertia_lightest)
+                lightest = ", ".join(f"{exact(x)}" for x in self.inertia_lightest)
                 said += f" where heaviest, ({lightest}) where lightest"
         return said
 
@@ -120,7 +120,7 @@ class Premises:
             supposed.append(f"payload {_words(self.payload.mass)} kg")
         if self.locked:
             supposed.append(f"{self._locks()} locked")
-        return printable(self.arm) + (f" with {', '.join(supposed)}" if supposed else "")
+        return quoted(self.arm) + (f" with {', '.join(supposed)}" if supposed else "")
 
     def to_json_dict(self) -> dict[str, Any]:
         """The keys of ``verify --json`` that are about the arm; names without control characters."""
@@ -153,7 +153,7 @@ class Premises:
         }[self.where]
         moving = f"{len(self.joints)} moving joint{'s' if len(self.joints) > 1 else ''}"
         return [
-            ("Arm", f"{printable(self.arm)}, {moving} (URDF {self.sha256[:16]}…)"),
+            ("Arm", f"{quoted(self.arm)}, {moving} (URDF {self.sha256[:16]}…)"),
             ("Armature", self._armature()),
             ("Payload", "none" if self.payload is None else self.payload.words()),
             ("Locked joints", self._locks("; ") or "none"),
@@ -177,15 +177,15 @@ class Premises:
 
     def _box(self) -> str:
         said = [
-            f"{lo:.10g}:{hi:.10g} {'m' if slides else 'rad'}"
+            f"{exact(lo)}:{exact(hi)} {'m' if slides else 'rad'}"
             for (lo, hi), slides in zip(self.box.values(), self.slides, strict=True)
         ]
         if len(set(said)) == 1 and len(said) > 1:
             return f"{said[0]} at every joint"
-        return ", ".join(f"{printable(name)} {ends}" for name, ends in zip(self.box, said, strict=True))
+        return ", ".join(f"{quoted(name)} {ends}" for name, ends in zip(self.box, said, strict=True))
 
     def _locks(self, separator: str = ", ") -> str:
-        said = separator.join(f"{printable(name)} at {_choices(angles)}" for name, angles in self.locked.items())
+        said = separator.join(f"{quoted(name)} at {_choices(angles)}" for name, angles in self.locked.items())
         return f"{said} (first with first, and so on)" if self.together else said
 
 
@@ -214,7 +214,7 @@ class Hypotheses(Premises):
         arm, *others = super().rows()
         found = [arm, ("Condition", f"{NAMES[self.condition]}: {self.formula}")]
         if self.mbar:
-            found.append(("M̄", f"diag({', '.join(f'{m:.10g}' for m in self.mbar)}) kg·m²"))
+            found.append(("M̄", f"diag({', '.join(f'{exact(m)}' for m in self.mbar)}) kg·m²"))
         return found + others
 
 
@@ -240,11 +240,11 @@ def fold_locks(choices: Sequence[Mapping[str, float]]) -> tuple[dict[str, float 
 
 
 def _words(value: float | Interval) -> str:
-    return f"{value[0]:.10g} to {value[1]:.10g}" if isinstance(value, tuple) else f"{value:.10g}"
+    return f"{exact(value[0])} to {exact(value[1])}" if isinstance(value, tuple) else f"{exact(value)}"
 
 
 def _choices(angles: float | tuple[float, ...]) -> str:
-    return " and at ".join(f"{a:.10g}" for a in angles) if isinstance(angles, tuple) else f"{angles:.10g}"
+    return " and at ".join(f"{exact(a)}" for a in angles) if isinstance(angles, tuple) else f"{exact(angles)}"
 
 
 def _plain(value: float | tuple[float, ...]) -> Any:
