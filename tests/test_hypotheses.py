@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from arm_urdf import inertial, joint, link, robot, write
+from arm_urdf import LIMIT, inertial, joint, link, robot, write
 from short_experiment import SHORT
 from test_layering import imports_of
 
@@ -175,7 +175,7 @@ def test_locked_joints_that_move_together_are_not_said_to_be_combined() -> None:
 
 
 def test_a_follower_of_a_locked_joint_is_locked_together_with_it(tmp_path: Path) -> None:
-    follows = joint("follower", "hand", "finger", extra='<mimic joint="master" multiplier="2"/>')
+    follows = joint("follower", "hand", "finger", extra=LIMIT + '<mimic joint="master" multiplier="2"/>')
     text = robot(
         *(link(name, inertial()) for name in ("base", "arm", "hand", "finger")),
         *(joint("first", "base", "arm", axis="0 1 0"), joint("master", "arm", "hand", axis="1 0 0"), follows),
