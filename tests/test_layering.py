@@ -15,12 +15,17 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent / "asmc_pin"
 
 # Part -> parts that it may import. A part may only name parts above its own row, so that there is no way back.
-# `errors`, `text` and `_typing` are open to all. Of the controllers the plant knows what it exchanges with them, and s
+# What stands in OPEN is open to all. Of the controllers the plant knows what it exchanges with them, and s
 # to log.
 MAY_IMPORT: dict[str, set[str]] = {
     "_typing": set(),
     "errors": set(),
     "text": set(),
+    "media": set(),
+    "files": set(),
+    "lazy": set(),
+    "choices": set(),
+    "clock": set(),
     "resources": set(),
     "arms": {"resources"},
     "controllers": set(),
@@ -49,6 +54,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "viewer",
     },
 }
+OPEN = {"_typing", "errors", "text", "media", "files", "lazy", "choices", "clock"}
 EVERYTHING = {*MAY_IMPORT, "package"}
 MAY_IMPORT["study"] = EVERYTHING
 MAY_IMPORT["cli"] = EVERYTHING | {"study"}
@@ -120,7 +126,7 @@ def imports_of(module: str, path: Path) -> set[str]:
 def is_allowed(target: str, part: str) -> bool:
     other = part_of(target)
     below = ".".join(target.split(".")[1:])
-    return other in {part, "errors", "text", "_typing"} | MAY_IMPORT[part] or any(
+    return other in {part} | OPEN | MAY_IMPORT[part] or any(
         below == name or below.startswith(f"{name}.") for name in MAY_IMPORT[part] if "." in name
     )
 

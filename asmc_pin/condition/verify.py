@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.clock import Clock
 from asmc_pin.condition.along import Motion, motion_of, norms_along, tube, worst_in_tube
 from asmc_pin.condition.box import BoxLike
 from asmc_pin.condition.lemma1 import Condition, check_condition, check_mbar
@@ -102,7 +102,7 @@ def verify(
         ArmError: A prismatic joint has no range.
         NotPositiveDefinite: M(q) is not positive definite somewhere.
     """
-    began = time.perf_counter()
+    clock = Clock()
     condition = check_condition(condition)
     all_cases = cases(arm, box, payload, armature, lock)
     first = all_cases[0].domain
@@ -134,7 +134,7 @@ def verify(
         upper=None,
         worst_q=worst.q,
         configurations=outcome.configurations,
-        seconds=time.perf_counter() - began,
+        seconds=clock.seconds(),
         box=outcome.ends,
         smallest=float(outcome.cloud.min()),
         worst_armature=worst.armature,
