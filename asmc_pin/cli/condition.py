@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from asmc_pin.cli import interrupt
 from asmc_pin.cli.app import app
-from asmc_pin.cli.console import progress_bar
+from asmc_pin.cli.console import note, print_json, progress_bar, rich_console, say
 from asmc_pin.cli.options import (
     ArmArgument,
     ArmatureOption,
@@ -24,13 +25,13 @@ from asmc_pin.cli.options import (
     MbarOption,
     PayloadOption,
     ReportOption,
-    note,
     open_domain,
     parse_box,
     per_joint,
-    print_json,
 )
 from asmc_pin.errors import ParameterError
+from asmc_pin.files import check_readable, check_writable
+from asmc_pin.text import printable, visible
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -69,17 +70,18 @@ def verify(
 
     Exit status 0: it holds, or was not refuted; 1: it is violated; 3: undecided within the budget.
     """
-    from asmc_pin.condition import verify as run
-
     page = report_path(report)
     check_proof_options(certify, certificate)
     if certify and along is not None and tube is None:
         raise ParameterError("--certify", "proves over boxes: add --tube RAD for a tube around the motion")
     if tube is not None and along is None:
         raise ParameterError("--tube", "is around a motion: add --along EXPERIMENT or a CSV of recorded data")
+    values, ranges = per_joint(mbar, "--mbar"), parse_box(box)
+    check_motion(along)
     loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
-    domain |= {"condition": condition, "seed": seed, "box": parse_box(box)}
-    values = per_joint(mbar, "--mbar")
+    from asmc_pin.condition import verify as run
+
+    domain |= {"condition": condition, "seed": seed, "box": ranges}
     options: dict[str, Any] = {} if samples is None else {"samples": samples}
     if along is not None:
         options |= {"along": _motion(along, loaded), "tube_width": tube}
@@ -96,6 +98,18 @@ def verify(
     raise typer.Exit(EXIT[found.verdict])
 
 
+def check_motion(along: str | None) -> None:
+    """Say that ``--along`` is neither a file nor an experiment before anything is loaded for it."""
+    if along is None:
+        return
+    if along.lower().endswith(".csv"):
+        check_readable(along, "the recorded motion")
+        return
+    from asmc_pin.experiment.files import find_experiment
+
+    find_experiment(along)
+
+
 def _motion(along: str, arm: Arm) -> Any:
     """An experiment, or recorded data where the name ends in .csv."""
     if along.lower().endswith(".csv"):
@@ -110,14 +124,15 @@ def _motion(along: str, arm: Arm) -> Any:
 def prove(
     arm: Arm, mbar: float | list[float], found: ConditionReport, certificate: str | None, **options: Any
 ) -> ConditionReport:
-    """Join a search's report with a proof of the same statement."""
+    """Join a search's report with a proof of the same statement; after Ctrl-C with what is proven by then."""
     from asmc_pin.condition.certificate import certify
     from asmc_pin.condition.certified import certified
 
     budget = options["budget"]
-    with progress_bar() as show:
+    with interrupt.stopping_short() as go_on, progress_bar() as show:
 
         def tell(state: Any) -> None:
+            go_on()
             what = f"proven M̄ × {state.proven:.4g}, refuted × {state.refuted:.4g}, {state.trying}"
             show(what, min(state.seconds / budget, 1.0))
 
@@ -133,19 +148,22 @@ def prove(
 def print_verdict(report: ConditionReport) -> None:
     """Print a report of the condition for a person to read; angles in degrees too."""
     import numpy as np
-    from rich.console import Console
     from rich.table import Table
+    from rich.text import Text
 
     from asmc_pin.report.condition_text import NAMES
 
-    console = Console(highlight=False)
+    console = rich_console()
     style = {"holds": "bold green", "unrefuted": "bold green", "violated": "bold red"}.get(
         report.verdict, "bold yellow"
     )
     name = NAMES[report.condition]
-    console.print(f"{report.arm}: {name}, {report.formula}", soft_wrap=True)
+    console.print(f"{printable(report.arm)}: {name}, {report.formula}", soft_wrap=True)
     console.print(
-        f"[{style}]{report.verdict}[/]  ({report.kind}, {report.configurations} configurations, {report.seconds:.1f} s)"
+        Text.assemble(
+            (report.verdict, style),
+            f"  ({report.kind}, {report.configurations} configurations, {report.seconds:.1f} s)",
+        )
     )
     largest = f"largest norm found {report.lower:.6g}"
     if report.worst_time is not None:
@@ -167,13 +185,13 @@ def print_verdict(report: ConditionReport) -> None:
             else "the norm is proven to be below 1 over the box"
         )
     if report.worst_case:
-        console.print(f"worst case: {report.worst_case}")
+        console.print(visible(f"worst case: {report.worst_case}"))
     table = Table("joint", "m̄ kg·m²", "worst q rad", "deg", box=None, pad_edge=False)
     for name, m, q in zip(report.joints, report.mbar, report.worst_q, strict=True):
-        table.add_row(name, f"{m:.6g}", f"{q:+.6f}", f"{np.degrees(q):+.2f}")
+        table.add_row(printable(name), f"{m:.6g}", f"{q:+.6f}", f"{np.degrees(q):+.2f}")
     console.print(table)
     for line in report.notes:
-        console.print(f"note: {line}", soft_wrap=True)
+        console.print(visible(f"note: {line}"), soft_wrap=True)
 
 
 def _print_tde_error(along: Any, arm: Arm, mbar: float | list[float]) -> None:
@@ -186,13 +204,15 @@ def _print_tde_error(along: Any, arm: Arm, mbar: float | list[float]) -> None:
 
     error = np.nanmax(np.abs(tde_error(arm, mbar, along)), axis=0)
     figures = ", ".join(f"{name} {value:.4g}" for name, value in zip(arm.joint_names, error, strict=True))
-    typer.echo(f"largest TDE error |N| that M̄ would have made, rad/s²: {figures}")
+    say(f"largest TDE error |N| that M̄ would have made, rad/s²: {figures}")
 
 
 def check_proof_options(certify: bool, certificate: str | None) -> None:
     """A certificate is what a proof leaves."""
     if certificate is not None and not certify:
         raise ParameterError("--certificate", "is what --certify proves: add --certify")
+    if certificate is not None and Path(certificate).parent.exists():  # else it is made
+        check_writable(certificate)
 
 
 def write_page(report: ConditionReport | DesignReport, arm: Arm, page: Path | None) -> None:
@@ -211,4 +231,5 @@ def report_path(text: str | None) -> Path | None:
     path = Path(text)
     if path.suffix.lower() not in (".html", ".md"):
         raise ParameterError("--report", f"'{text}' ends in neither .html nor .md; the ending chooses the form")
+    check_writable(path)
     return path
