@@ -5,10 +5,9 @@ The public names load on first use, so that importing the package, or asking the
 
 from __future__ import annotations
 
-import sys
-from importlib import import_module
-from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from asmc_pin.lazy import load_on_first_use
+
+TYPE_CHECKING = False  # without the cost of importing typing
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm as Arm
@@ -31,27 +30,30 @@ if TYPE_CHECKING:
     from asmc_pin.study.compare import compare as compare
     from asmc_pin.study.comparison import Comparison as Comparison
 
-_HOME = {
-    "Arm": "arms",
-    "AsmcPinError": "errors",
-    "CONTROLLERS": "controllers",
-    "Comparison": "study",
-    "ConditionReport": "condition",
-    "DesignReport": "condition",
-    "Controller": "controllers",
-    "Experiment": "experiment",
-    "Plant": "plant",
-    "Rollout": "rollout",
-    "Sample": "controllers",
-    "Setpoint": "controllers",
-    "compare": "study",
-    "design": "condition",
-    "lemma1_norm": "condition",
-    "load_arm": "arms",
-    "load_experiment": "experiment",
-    "rollout": "rollout",
-    "verify": "condition",
-}
+load_on_first_use(
+    __name__,
+    {
+        "Arm": "arms",
+        "AsmcPinError": "errors",
+        "CONTROLLERS": "controllers",
+        "Comparison": "study",
+        "ConditionReport": "condition",
+        "DesignReport": "condition",
+        "Controller": "controllers",
+        "Experiment": "experiment",
+        "Plant": "plant",
+        "Rollout": "rollout",
+        "Sample": "controllers",
+        "Setpoint": "controllers",
+        "compare": "study",
+        "design": "condition",
+        "lemma1_norm": "condition",
+        "load_arm": "arms",
+        "load_experiment": "experiment",
+        "rollout": "rollout",
+        "verify": "condition",
+    },
+)
 
 __all__ = [  # noqa: RUF022 - grouped as design and docs do
     "Arm",
@@ -74,26 +76,3 @@ __all__ = [  # noqa: RUF022 - grouped as design and docs do
     "compare",
     "AsmcPinError",
 ]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'asmc_pin' has no attribute '{name}'")
-    value = getattr(import_module(f"asmc_pin.{_HOME[name]}"), name)
-    globals()[name] = value
-    return value
-
-
-class _Package(ModuleType):
-    """Keeps `asmc_pin.rollout` the function: whoever imports the module of that name would put it in its place."""
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        shadows = isinstance(value, ModuleType) and _HOME.get(name) == name
-        super().__setattr__(name, getattr(value, name) if shadows else value)
-
-
-sys.modules[__name__].__class__ = _Package
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})

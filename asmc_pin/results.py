@@ -7,23 +7,21 @@ all.
 
 from __future__ import annotations
 
+import io
 import json
-import os
-import shutil
-import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-import pandas as pd
-import xarray as xr
-
 from asmc_pin.errors import AsmcPinError, ResultError
+from asmc_pin.files import remove_leftovers, whole_folder
 
 if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
     from asmc_pin.arms import Arm
     from asmc_pin.experiment import Experiment
     from asmc_pin.rollout import Rollout
@@ -74,6 +72,19 @@ class Result:
     monitors: xr.Dataset | None = None
 
 
+def find_result(path: str | Path) -> Path:
+    """Folder of a result, not yet read; for arguments and errors see `load_result`."""
+    folder = Path(path).expanduser()
+    if not folder.exists() and (Path("results") / folder).is_dir():
+        folder = Path("results") / folder
+    if not folder.is_dir():
+        raise ResultError(folder, f"there is no result {folder}; asmc-pin compare makes one")
+    absent = [name for name in (EXPERIMENT, TRAJECTORIES, SUMMARY, PROVENANCE) if not (folder / name).is_file()]
+    if absent:
+        raise ResultError(folder, f"{folder} is not a result of asmc-pin compare: it has no {', '.join(absent)}")
+    return folder
+
+
 def load_result(path: str | Path) -> Result:
     """Read the result of a comparison.
 
@@ -83,16 +94,12 @@ def load_result(path: str | Path) -> Result:
     Raises:
         ResultError: the folder is missing, or is not a whole result.
     """
+    folder = find_result(path)
+    import pandas as pd
+    import xarray as xr
+
     from asmc_pin.experiment import load_experiment
 
-    folder = Path(path).expanduser()
-    if not folder.exists() and (Path("results") / folder).is_dir():
-        folder = Path("results") / folder
-    if not folder.is_dir():
-        raise ResultError(folder, f"there is no result {folder}; asmc-pin compare makes one")
-    absent = [name for name in (EXPERIMENT, TRAJECTORIES, SUMMARY, PROVENANCE) if not (folder / name).is_file()]
-    if absent:
-        raise ResultError(folder, f"{folder} is not a result of asmc-pin compare: it has no {', '.join(absent)}")
     try:
         return Result(
             path=folder,
@@ -115,6 +122,9 @@ def trajectories(arm: Arm, rollouts: Mapping[str, Rollout], laws: Mapping[str, s
         rollouts: By label.
         laws: Name of each label's law.
     """
+    import numpy as np
+    import xarray as xr
+
     runs = list(rollouts.values())
     shared = ("q_ref", "v_ref", "a_ref")
     values: dict[str, Any] = {name: (("time", "joint"), getattr(runs[0], name)) for name in shared}
@@ -150,19 +160,23 @@ def trajectories(arm: Arm, rollouts: Mapping[str, Rollout], laws: Mapping[str, s
 def write_trajectories(dataset: xr.Dataset, path: Path) -> None:
     """Write NetCDF-4 that is bitwise the same for the same data.
 
-    h5netcdf puts the versions of the libraries (``_NCProperties``) into a file that it creates, but not into one that
-    it finds; so it is given an empty one.
+    It is made in memory: where a disk is full HDF5 prints tracebacks of its own. h5netcdf puts the versions of the
+    libraries (``_NCProperties``) into a file that it creates, but not into one that it finds; so it is given an empty
+    one.
     """
     import h5py  # type: ignore[import-untyped]
 
-    with h5py.File(path, "w", track_order=True):
+    content = io.BytesIO()
+    with h5py.File(content, "w", track_order=True):
         pass
+    content.seek(0)
     encoding = {
         name: {"zlib": True, "complevel": 2, "shuffle": True, "_FillValue": None}
         for name, values in dataset.data_vars.items()
         if "time" in values.dims and values.size
     }
-    dataset.to_netcdf(path, mode="a", engine="h5netcdf", encoding=encoding)
+    dataset.to_netcdf(content, mode="a", engine="h5netcdf", encoding=encoding)
+    path.write_bytes(content.getbuffer())
 
 
 def write_summary(rows: pd.DataFrame, path: Path) -> None:
@@ -171,15 +185,20 @@ def write_summary(rows: pd.DataFrame, path: Path) -> None:
     import pyarrow.parquet as pq
 
     table = pa.Table.from_pandas(rows, preserve_index=False).replace_schema_metadata(None)
-    pq.write_table(table, path)
+    content = io.BytesIO()
+    pq.write_table(table, content)
+    path.write_bytes(content.getbuffer())
 
 
 def check_target(path: Path, force: bool) -> None:
     """Whether a result may be written there, asked before anything is run.
 
+    What a killed run left there is tidied up first: a result that it had moved away is put back.
+
     Raises:
         ResultError: something is there that is not to be replaced.
     """
+    remove_leftovers(path)
     if path.is_symlink() or (path.exists() and not path.is_dir()):
         raise ResultError(path, f"{path} is not a folder; give another one with --out")
     if not path.exists() or not any(path.iterdir()):
@@ -194,56 +213,14 @@ def check_target(path: Path, force: bool) -> None:
 
 @contextmanager
 def whole_or_not_at_all(path: Path, force: bool) -> Iterator[Path]:
-    """A folder to write a result into, which takes its place when the block ends without an exception.
-
-    Until then a former result stays what it was; after an exception, an interrupt too, nothing is left of the new one.
+    """A folder to write a result into, see `asmc_pin.files.whole_folder`.
 
     Args:
         path: Where the result is to be.
         force: Whether it may replace a former one.
 
-    Yields:
-        An empty folder beside it, on the same file system.
-
     Raises:
-        ResultError: see `check_target`.
+        ResultError: see `check_target`; or it cannot be written.
     """
-    check_target(path, force)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        made = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".new", dir=path.parent))
-    except OSError as error:
-        # Not the system's own words alone: they name a folder that nobody asked for.
-        raise ResultError(
-            path, f"{path} cannot be written: {error.strerror}; give another folder with --out"
-        ) from error
-    try:
+    with whole_folder(path, lambda: check_target(path, force)) as made:
         yield made
-        made.chmod(0o777 & ~_umask())
-        check_target(path, force)  # another run may have been quicker
-        _put_in_place(made, path)
-    finally:
-        shutil.rmtree(made, ignore_errors=True)
-
-
-def _put_in_place(made: Path, path: Path) -> None:
-    if not path.exists():
-        os.replace(made, path)
-        return
-    old = Path(tempfile.mkdtemp(prefix=f".{path.name}.", suffix=".old", dir=path.parent))
-    try:
-        os.replace(path, old)  # over the empty folder
-        os.replace(made, path)
-    except BaseException:
-        if not path.exists():
-            os.replace(old, path)
-        raise
-    finally:
-        if path.exists():
-            shutil.rmtree(old, ignore_errors=True)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

@@ -42,7 +42,18 @@ def printable(text: str) -> str:
     """
     if len(text) > _LONGEST:
         text = f"{text[: _LONGEST // 2]}…{text[-_LONGEST // 4 :]}"
-    return "".join(c if _harmless(c) else _escaped(c) for c in text)
+    return visible(text)
+
+
+def visible(text: str) -> str:
+    """A line of any length as `printable` shows it."""
+    return "".join(c if _harmless(c) else as_escape(c) for c in text)
+
+
+def as_escape(character: str) -> str:
+    r"""A character as ``\\xNN``, ``\\uNNNN`` or ``\\UNNNNNNNN``."""
+    code = ord(character)
+    return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
 
 
 def quoted(name: str) -> str:
@@ -80,8 +91,3 @@ def _harmless(character: str) -> bool:
     if character == " ":
         return True
     return unicodedata.category(character)[0] not in "CZ" and code not in _UNSEEN and code not in _STRIKING
-
-
-def _escaped(character: str) -> str:
-    code = ord(character)
-    return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"

@@ -10,12 +10,15 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+from asmc_pin.files import write_whole
+from asmc_pin.media import for_cell
+
 README = Path(__file__).resolve().parent.parent / "README.md"
 
 
 def _table(header: list[str], rows: list[list[str]]) -> str:
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(str(cell).replace("|", r"\|") for cell in row) + " |" for row in lines)
+    lines = [map(for_cell, header), ["---"] * len(header), *([for_cell(str(cell)) for cell in row] for row in rows)]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def arms() -> str:
@@ -58,4 +61,4 @@ if __name__ == "__main__":
     new = rendered(old)
     if "--check" in sys.argv:
         sys.exit(0 if new == old else "README.md is stale: run make docs")
-    README.write_text(new, encoding="utf-8")
+    write_whole(README, new)

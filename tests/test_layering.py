@@ -15,13 +15,18 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent / "asmc_pin"
 
 # Part -> parts that it may import. A part may only name parts above its own row, so that there is no way back.
-# `errors`, `text`, `units` and `_typing` are open to all. Of the controllers the plant knows what it exchanges with
-# them, and s to log.
+# What stands in OPEN is open to all. Of the controllers the plant knows what it exchanges with them, and s
+# to log.
 MAY_IMPORT: dict[str, set[str]] = {
     "_typing": set(),
     "errors": set(),
     "text": set(),
     "units": set(),
+    "media": set(),
+    "files": set(),
+    "lazy": set(),
+    "choices": set(),
+    "clock": set(),
     "resources": set(),
     "arms": {"resources"},
     "controllers": set(),
@@ -50,6 +55,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "viewer",
     },
 }
+OPEN = {"_typing", "errors", "text", "units", "media", "files", "lazy", "choices", "clock"}
 EVERYTHING = {*MAY_IMPORT, "package"}
 MAY_IMPORT["study"] = EVERYTHING
 MAY_IMPORT["cli"] = EVERYTHING | {"study"}
@@ -121,7 +127,7 @@ def imports_of(module: str, path: Path) -> set[str]:
 def is_allowed(target: str, part: str) -> bool:
     other = part_of(target)
     below = ".".join(target.split(".")[1:])
-    return other in {part, "errors", "text", "units", "_typing"} | MAY_IMPORT[part] or any(
+    return other in {part} | OPEN | MAY_IMPORT[part] or any(
         below == name or below.startswith(f"{name}.") for name in MAY_IMPORT[part] if "." in name
     )
 

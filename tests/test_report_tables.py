@@ -9,10 +9,11 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from asmc_pin.media import for_latex
 from asmc_pin.metrics import METRICS
 from asmc_pin.report.curves import running_max, spread, thinned
 from asmc_pin.report.figures import FIGURES, draw_figures
-from asmc_pin.report.latex import escape, latex_table
+from asmc_pin.report.latex import latex_table
 from asmc_pin.report.tables import markdown_table, metric_table, metric_tables_markdown, number, overview, short_names
 
 
@@ -113,10 +114,10 @@ def test_several_trials_are_several_rows():
 
 
 def test_latex_escapes_what_has_a_meaning_in_latex():
-    assert escape(r"50% | {x}_1 & $\alpha$ #~^") == (
+    assert for_latex(r"50% | {x}_1 & $\alpha$ #~^") == (
         r"50\% \textbar{} \{x\}\_1 \& \$\textbackslash{}alpha\$ \#\textasciitilde{}\textasciicircum{}"
     )
-    assert escape("[N·m/s], rad/s²: –") == r"[N\,m/s], rad/s$^2$: --"
+    assert for_latex("s [N·m/s], rad/s²: –") == r"s [N\,m/s], rad/s$^2$: --"
 
 
 def test_a_latex_table_has_as_many_cells_in_each_row_as_columns():

@@ -14,10 +14,10 @@ from asmc_pin.errors import ExperimentError, ResultError
 from asmc_pin.report.reproduction import page
 from asmc_pin.study.claims import CLAIMS, judge
 from asmc_pin.study.limits import break_away, limits, needed_gain
-from asmc_pin.study.paper import PAPER
+from asmc_pin.study.paper import NAMES, PAPER
 from asmc_pin.study.reading_search import factor, nearest, reconciled
 from asmc_pin.study.readings import AXES, Outcome, read, readings
-from asmc_pin.study.reproduce import NAMES, READINGS, SETS, reading_of, reproduce
+from asmc_pin.study.reproduce import READINGS, SETS, reading_of, reproduce
 from asmc_pin.study.tuned import SUFFIX
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"

@@ -1,6 +1,8 @@
 """What lies on disk: named axes and units, reading back, taking a place as a whole."""
 
+import json
 import os
+import shutil
 import sys
 from pathlib import Path
 
@@ -13,6 +15,7 @@ from asmc_pin import results
 from asmc_pin.arms import load_arm
 from asmc_pin.errors import ResultError
 from asmc_pin.experiment import Experiment
+from asmc_pin.report.html import report_html
 from asmc_pin.results import VARIABLES, check_target, load_result, trajectories, whole_or_not_at_all, write_trajectories
 from asmc_pin.rollout import rollout
 from asmc_pin.study import compare
@@ -128,6 +131,46 @@ def test_a_result_reads_back_with_its_relative_paths_from_anywhere(slider, tmp_p
     assert load_result("small").path == Path("results/small")
 
 
+def texts(value):
+    if isinstance(value, dict):
+        return [text for key, item in value.items() for text in (*texts(key), *texts(item))]
+    return [value] if isinstance(value, str) else []
+
+
+def test_a_result_tells_of_no_folders_of_its_maker(slider, tmp_path, monkeypatch):
+    plain(monkeypatch)
+    monkeypatch.setattr(Path, "home", lambda: tmp_path / "home" / "ada")
+    far, near = tmp_path / "elsewhere", tmp_path / "home" / "ada" / "work"
+    near.mkdir(parents=True)
+    experiment = Experiment.from_dict(data(slider), folder=near)
+    for out, way in ((near / "results" / "small", "../.."), (far / "small", None), (near.parent / "small", "../work")):
+        made = compare(experiment, out=out).out
+        provenance = json.loads((made / "provenance.json").read_text(encoding="utf-8"))
+        assert provenance["experiment"]["folder"] == way
+        assert provenance["arm"]["urdf"] == "slider.urdf"
+        private = {str(slider.parent), "ada", str(tmp_path), str(Path.cwd())}
+        assert not [text for text in texts(provenance) if text.startswith("/") or any(x in text for x in private)]
+
+
+def test_a_result_that_moves_with_its_project_is_whole_and_one_that_moves_alone_says_what_it_lacks(
+    slider, tmp_path, monkeypatch
+):
+    plain(monkeypatch)
+    before, after, alone = tmp_path / "before", tmp_path / "after", tmp_path / "alone"
+    before.mkdir()
+    shutil.copy(slider, before)
+    compare(Experiment.from_dict(data("slider.urdf"), folder=before), out=before / "results" / "small")
+    before.rename(after)
+    assert load_result(after / "results" / "small").experiment.build_arm().joint_names == ("rail", "hinge")
+    (after / "results").rename(alone)
+    result = load_result(alone / "small")
+    assert result.summary.controller.tolist() == ["PPC", "PPC", "Q", "Q"]
+    with pytest.raises(ResultError, match=r"the arm of .* cannot be loaded any more: slider\.urdf: no such file"):
+        report_html(result, tmp_path / "report.html")
+    monkeypatch.chdir(after)
+    report_html(result, tmp_path / "report.html")
+
+
 def test_what_is_no_result_says_what_is_missing(tmp_path):
     with pytest.raises(ResultError, match=r"there is no result .*; asmc-pin compare makes one"):
         load_result(tmp_path / "nowhere")
@@ -168,7 +211,7 @@ def test_an_old_result_comes_back_when_the_move_itself_is_interrupted(tmp_path, 
             raise KeyboardInterrupt
         os.rename(source, target)
 
-    monkeypatch.setattr(results.os, "replace", replace)
+    monkeypatch.setattr(os, "replace", replace)
 
     def write():
         with whole_or_not_at_all(out, force=True) as made:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import socket
+import struct
 import threading
+import time
 from collections.abc import Iterator
 from http.client import HTTPConnection
 from http.server import ThreadingHTTPServer
@@ -58,6 +60,43 @@ def test_only_this_machine_is_answered(server: ThreadingHTTPServer) -> None:
 def test_a_foreign_name_for_this_machine_is_refused(server: ThreadingHTTPServer) -> None:
     assert get(server, host=f"attacker.example:{server.server_port}")[0] == 403
     assert get(server, host=f"localhost:{server.server_port}")[0] == 200
+
+
+@pytest.mark.parametrize("name", ["127.0.0.1", "localhost", "LOCALHOST"])
+def test_at_port_80_a_browser_names_no_port(server: ThreadingHTTPServer, name: str) -> None:
+    assert get(server, host=name)[0] == 200
+
+
+@pytest.mark.parametrize("name", ["attacker.example", "127.0.0.1.attacker.example", "[::1]:80", ""])
+def test_no_other_name_is_answered_without_a_port_either(server: ThreadingHTTPServer, name: str) -> None:
+    with socket.create_connection(server.server_address[:2], timeout=5) as connection:
+        connection.sendall(f"GET / HTTP/1.1\r\nHost: {name}\r\nConnection: close\r\n\r\n".encode())
+        assert connection.recv(64).split()[1] == b"403"
+
+
+def test_a_browser_that_leaves_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
+    with make_server(PAGE * 2_000_000) as server:
+        thread = threading.Thread(target=server.serve_forever, args=(0.02,))
+        thread.start()
+        for sent in (b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n", b"GET / HT", b""):
+            connection = socket.create_connection(server.server_address[:2], timeout=5)
+            connection.sendall(sent)
+            # Reset, as a browser does that is closed at once.
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            connection.close()
+        assert get(server, method="HEAD") == (200, b"")
+        server.shutdown()
+        thread.join()
+    time.sleep(0.2)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_any_other_trouble_in_a_request_is_a_fault(server: ThreadingHTTPServer) -> None:
+    try:
+        raise ZeroDivisionError
+    except ZeroDivisionError:
+        with pytest.raises(ZeroDivisionError):
+            server.handle_error(None, None)  # type: ignore[arg-type]
 
 
 def test_a_port_in_use_is_told(server: ThreadingHTTPServer) -> None:

@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from asmc_pin.arms import ARMS, Arm, arm_names, load_arm
-from asmc_pin.viewer import Motion, describe, draw, replay_element, replay_page, write_page
+from asmc_pin.files import write_whole
+from asmc_pin.viewer import Motion, describe, draw, replay_element, replay_page
 
 # Where an arm is good to look at; the middle of the joint box for the others.
 POSES = {
@@ -44,7 +45,7 @@ def make(folder: Path) -> dict[str, Path]:
         drawn = draw(arm)
         description = describe(drawn, arm.joint_names, time, [Motion(name, "#0072B2", wave(arm, time))], None)
         pages[name] = folder / f"arm_{name}.html"
-        write_page(replay_page(name, ARMS[name].description, replay_element(description, drawn.notes)), pages[name])
+        write_whole(pages[name], replay_page(name, ARMS[name].description, replay_element(description, drawn.notes)))
     return pages
 
 

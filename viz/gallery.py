@@ -16,6 +16,8 @@ import every_arm
 import shipped_experiments
 import under_a_ceiling
 
+from asmc_pin.files import write_whole
+
 INDEX = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <meta name="color-scheme" content="light dark"><title>asmc_pin: gallery</title>
@@ -58,7 +60,7 @@ def main(folder: Path) -> Path:
         image = f'<img src="{escape(shot.name)}" alt="" loading="lazy">' if shot else ""
         items.append(f'<li><a href="{escape(page.name)}">{image}{escape(title)}</a></li>')
     index = folder / "index.html"
-    index.write_text(INDEX.format(items="\n".join(items)), encoding="utf-8")
+    write_whole(index, INDEX.format(items="\n".join(items)))
     return index
 
 

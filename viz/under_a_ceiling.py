@@ -12,7 +12,8 @@ import numpy as np
 from every_arm import wave
 
 from asmc_pin.arms import load_arm
-from asmc_pin.viewer import Motion, describe, draw, replay_element, replay_page, write_page
+from asmc_pin.files import write_whole
+from asmc_pin.viewer import Motion, describe, draw, replay_element, replay_page
 
 
 def make(folder: Path) -> dict[str, Path]:
@@ -23,7 +24,7 @@ def make(folder: Path) -> dict[str, Path]:
     drawn = draw(arm)
     element = replay_element(describe(drawn, arm.joint_names, time, [motion], None), drawn.notes)
     page = folder / "under_a_ceiling.html"
-    write_page(replay_page("ur5 under a ceiling", "gravity = (0, 0, 9.81) m/s² in the base's frame", element), page)
+    write_whole(page, replay_page("ur5 under a ceiling", "gravity = (0, 0, 9.81) m/s² in the base's frame", element))
     return {"ur5 under a ceiling": page}
 
 

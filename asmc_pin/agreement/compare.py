@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -12,6 +11,7 @@ from asmc_pin.agreement.engine import Twin, import_mujoco
 from asmc_pin.agreement.playback import Nowhere, Playback
 from asmc_pin.agreement.report import TOLERANCE, AgreementReport
 from asmc_pin.arms import Arm
+from asmc_pin.clock import Clock
 from asmc_pin.errors import NotComparableError, ParameterError
 from asmc_pin.plant import Friction, Plant
 from asmc_pin.rollout import rollout
@@ -52,13 +52,13 @@ def agree(
             raise ParameterError(name, f"{value} given, at least 1 expected")
     if not 0.0 < step <= duration:
         raise ParameterError("step", f"{step} s given for runs of {duration} s, above 0 and not longer expected")
-    begun = time.perf_counter()
+    clock = Clock()
     import_mujoco()
     settings = {"configurations": configurations, "runs": runs, "duration": duration, "step": step}
     try:
         twin = Twin(arm)
     except NotComparableError as refusal:
-        return _report(arm, f"MuJoCo {import_mujoco().__version__}", settings, "not compared", (str(refusal),), begun)
+        return _report(arm, f"MuJoCo {import_mujoco().__version__}", settings, "not compared", (str(refusal),), clock)
     generator = np.random.default_rng(seed)
     mass, bias = _compare_terms(arm, twin, *_states(arm, configurations, generator))
     motion = _compare_motion(arm, twin, generator, runs, duration, step)
@@ -69,7 +69,7 @@ def agree(
         settings,
         "agrees" if within else "disagrees",
         twin.notes,
-        begun,
+        clock,
         mass_error=mass.error,
         mass_worst_q=mass.q,
         mass_by_joint=mass.by_joint,
@@ -171,7 +171,7 @@ def _report(
     settings: dict[str, Any],
     verdict: Literal["agrees", "disagrees", "not compared"],
     notes: tuple[str, ...],
-    begun: float,
+    clock: Clock,
     **found: Any,
 ) -> AgreementReport:
     nothing = np.full(arm.nv, np.nan)
@@ -185,7 +185,7 @@ def _report(
         engine=engine,
         verdict=verdict,
         notes=notes,
-        seconds=time.perf_counter() - begun,
+        seconds=clock.seconds(),
         **settings,
         **(values | found),
     )

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from asmc_pin.cli import interrupt
 from asmc_pin.cli.app import app
-from asmc_pin.cli.console import progress_bar
+from asmc_pin.cli.console import note, print_json, progress_bar, rich_console, say
 from asmc_pin.cli.options import (
     ArmArgument,
     ArmatureOption,
@@ -24,13 +25,12 @@ from asmc_pin.cli.options import (
     MbarOption,
     PayloadOption,
     ReportOption,
-    note,
     open_domain,
     parse_box,
     per_joint,
-    print_json,
 )
 from asmc_pin.errors import ParameterError
+from asmc_pin.files import check_readable, check_writable
 from asmc_pin.text import printable
 
 if TYPE_CHECKING:
@@ -70,17 +70,18 @@ def verify(
 
     Exit status 0: it holds, or was not refuted; 1: it is violated; 3: undecided within the budget.
     """
-    from asmc_pin.condition import verify as run
-
     page = report_path(report)
     check_proof_options(certify, certificate)
     if certify and along is not None and tube is None:
         raise ParameterError("--certify", "proves over boxes: add --tube RAD for a tube around the motion")
     if tube is not None and along is None:
         raise ParameterError("--tube", "is around a motion: add --along EXPERIMENT or a CSV of recorded data")
+    values, ranges = per_joint(mbar, "--mbar"), parse_box(box)
+    check_motion(along)
     loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
-    domain |= {"condition": condition, "seed": seed, "box": parse_box(box)}
-    values = per_joint(mbar, "--mbar")
+    from asmc_pin.condition import verify as run
+
+    domain |= {"condition": condition, "seed": seed, "box": ranges}
     options: dict[str, Any] = {} if samples is None else {"samples": samples}
     if along is not None:
         options |= {"along": _motion(along, loaded), "tube_width": tube}
@@ -97,6 +98,18 @@ def verify(
     raise typer.Exit(EXIT[found.verdict])
 
 
+def check_motion(along: str | None) -> None:
+    """Say that ``--along`` is neither a file nor an experiment before anything is loaded for it."""
+    if along is None:
+        return
+    if along.lower().endswith(".csv"):
+        check_readable(along, "the recorded motion")
+        return
+    from asmc_pin.experiment.files import find_experiment
+
+    find_experiment(along)
+
+
 def _motion(along: str, arm: Arm) -> Any:
     """An experiment, or recorded data where the name ends in .csv."""
     if along.lower().endswith(".csv"):
@@ -111,14 +124,15 @@ def _motion(along: str, arm: Arm) -> Any:
 def prove(
     arm: Arm, mbar: float | list[float], found: ConditionReport, certificate: str | None, **options: Any
 ) -> ConditionReport:
-    """Join a search's report with a proof of the same statement."""
+    """Join a search's report with a proof of the same statement; after Ctrl-C with what is proven by then."""
     from asmc_pin.condition.certificate import certify
     from asmc_pin.condition.certified import certified
 
     budget = options["budget"]
-    with progress_bar() as show:
+    with interrupt.stopping_short() as go_on, progress_bar() as show:
 
         def tell(state: Any) -> None:
+            go_on()
             what = f"proven M̄ × {state.proven:.4g}, refuted × {state.refuted:.4g}, {state.trying}"
             show(what, min(state.seconds / budget, 1.0))
 
@@ -134,11 +148,10 @@ def prove(
 def print_verdict(report: ConditionReport) -> None:
     """Print a report of the condition for a person to read: what it is about first; angles in degrees too."""
     import numpy as np
-    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    console = Console(highlight=False)
+    console = rich_console()
 
     def say(line: str, style: str = "") -> None:
         console.print(Text(line, style), soft_wrap=True)  # plain: a name may hold what would be markup
@@ -196,13 +209,15 @@ def _print_tde_error(along: Any, arm: Arm, mbar: float | list[float]) -> None:
 
     error = np.nanmax(np.abs(tde_error(arm, mbar, along)), axis=0)
     figures = ", ".join(f"{name} {value:.4g}" for name, value in zip(arm.joint_names, error, strict=True))
-    typer.echo(f"largest TDE error |N| that M̄ would have made, rad/s²: {figures}")
+    say(f"largest TDE error |N| that M̄ would have made, rad/s²: {figures}")
 
 
 def check_proof_options(certify: bool, certificate: str | None) -> None:
     """A certificate is what a proof leaves."""
     if certificate is not None and not certify:
         raise ParameterError("--certificate", "is what --certify proves: add --certify")
+    if certificate is not None and Path(certificate).parent.exists():  # else it is made
+        check_writable(certificate)
 
 
 def write_page(report: ConditionReport | DesignReport, arm: Arm, page: Path | None) -> None:
@@ -221,4 +236,5 @@ def report_path(text: str | None) -> Path | None:
     path = Path(text)
     if path.suffix.lower() not in (".html", ".md"):
         raise ParameterError("--report", f"'{text}' ends in neither .html nor .md; the ending chooses the form")
+    check_writable(path)
     return path

@@ -7,8 +7,10 @@ from typing import Annotated, Any, TypeAlias
 
 import typer
 
+from asmc_pin.choices import Acceleration, Form, Objective
 from asmc_pin.cli.app import app
 from asmc_pin.cli.condition import EXIT, check_proof_options, prove, report_path, write_page
+from asmc_pin.cli.console import note, print_json, say
 from asmc_pin.cli.options import (
     ArmArgument,
     ArmatureOption,
@@ -24,18 +26,16 @@ from asmc_pin.cli.options import (
     MbarOption,
     PayloadOption,
     ReportOption,
-    note,
     number,
     open_domain,
     parse_bounds,
     parse_box,
     per_joint,
-    print_json,
 )
 from asmc_pin.errors import ParameterError
 
 AccelerationOption: TypeAlias = Annotated[
-    str, typer.Option("--acceleration", metavar="velocity|position", help="How q̈(t−L) is estimated.")
+    Acceleration, typer.Option("--acceleration", metavar="velocity|position", help="How q̈(t−L) is estimated.")
 ]
 FilterOption: TypeAlias = Annotated[
     float | None, typer.Option("--filter-hz", metavar="HZ", help="First-order low-pass on that estimate.")
@@ -50,12 +50,12 @@ def design(
     arm: ArmArgument,
     condition: ConditionOption = "lemma1",
     objective: Annotated[
-        str,
+        Objective,
         typer.Option(
             metavar="contraction|bandwidth", help="Least norm, or the fastest estimate that the condition allows."
         ),
     ] = "contraction",
-    form: Annotated[str, typer.Option(metavar="diagonal|scalar", help="One m̄ per joint, or one for all.")] = "diagonal",
+    form: Annotated[Form, typer.Option(metavar="diagonal|scalar", help="One m̄ per joint, or one.")] = "diagonal",
     bounds: Annotated[
         list[str] | None,
         typer.Option(metavar="JOINT=LO:HI", help="Least and largest m̄ of a joint, kg·m². Repeatable."),
@@ -86,22 +86,25 @@ def design(
     as_json: JsonOption = False,
 ) -> None:
     """Find the M̄ of least contraction, or of the fastest estimate. Exit status 1 when none satisfies the condition."""
-    from asmc_pin.condition import design as run
-
     page = report_path(report)
     check_proof_options(certify, certificate)
     if gains and period is None:
         raise ParameterError("--gains", "needs the control period: add --period 0.001, in seconds")
+    limits, ranges = parse_bounds(bounds), parse_box(box)
+    length = None if period is None else number(period, "--period")
+    losses = None if coulomb is None else per_joint(coulomb, "--coulomb")
     loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
+    from asmc_pin.condition import design as run
+
     options: dict[str, Any] = {"condition": condition, "objective": objective, "form": form, "level": level}
-    found = run(loaded, **options, bounds=parse_bounds(bounds), box=parse_box(box), seed=seed, **domain)
+    found = run(loaded, **options, bounds=limits, box=ranges, seed=seed, **domain)
     if certify and found.check is not None:
-        limits = {"gap": gap, "budget": budget, "seed": seed, "condition": condition, "box": parse_box(box)}
-        check = prove(loaded, list(found.check.mbar), found.check, certificate, **limits, **domain)
+        proof = {"gap": gap, "budget": budget, "seed": seed, "condition": condition, "box": ranges}
+        check = prove(loaded, list(found.check.mbar), found.check, certificate, **proof, **domain)
         found = replace(found, check=check, verdict=check.verdict)
     write_page(found, loaded, page)
     content, lines = found.to_json_dict(), found.explanation()
-    if gains and found.mbar is not None:
+    if length is not None and gains and found.mbar is not None:
         from asmc_pin.condition.gains import suggest_gains
 
         if domain:
@@ -109,21 +112,21 @@ def design(
         suggested = suggest_gains(
             loaded,
             found.mbar,
-            number(str(period), "--period"),
-            acceleration=acceleration,  # type: ignore[arg-type]
+            length,
+            acceleration=acceleration,
             filter_hz=filter_hz,
             delay=delay,
             gain_margin=gain_margin,
             delay_margin=delay_margin,
-            coulomb=None if coulomb is None else per_joint(coulomb, "--coulomb"),
-            box=parse_box(box),
+            coulomb=losses,
+            box=ranges,
         )
         content["gains"] = suggested.to_json_dict()
         lines = [*lines, *suggested.lines()]
     if as_json:
         print_json(content)
     else:
-        typer.echo("\n".join(lines))
+        say(*lines)
     raise typer.Exit({"infeasible": 1, **EXIT}[found.verdict])
 
 
@@ -149,31 +152,33 @@ def stability(
     as_json: JsonOption = False,
 ) -> None:
     """Analyse the sampled loop, frozen over the workspace. Exit status 1 when it is unstable somewhere."""
-    from asmc_pin.condition.stability import stability as run
-
+    values, slopes, ranges = per_joint(mbar, "--mbar"), per_joint(ks, "--ks"), parse_box(box)
+    rate, length = number(beta, "--beta"), number(period, "--period")
     loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
     if domain:
         raise ParameterError(
             f"--{next(iter(domain))}", "one value expected here, not a range: a frozen loop is not affine in it"
         )
+    from asmc_pin.condition.stability import stability as run
+
     report = run(
         loaded,
-        per_joint(mbar, "--mbar"),
-        per_joint(ks, "--ks"),
-        number(beta, "--beta"),
-        number(period, "--period"),
-        acceleration=acceleration,  # type: ignore[arg-type]
+        values,
+        slopes,
+        rate,
+        length,
+        acceleration=acceleration,
         filter_hz=filter_hz,
         delay=delay,
-        box=parse_box(box),
+        box=ranges,
     )
     if figures is not None:
         from asmc_pin.report.stability_figures import save_figures
 
-        for path in save_figures(loaded, report.loop, figures, box=parse_box(box)):
+        for path in save_figures(loaded, report.loop, figures, box=ranges):
             note(f"wrote {path}")
     if as_json:
         print_json(report.to_json_dict())
     else:
-        typer.echo("\n".join(report.lines()))
+        say(*report.lines())
     raise typer.Exit(0 if report.stable else 1)

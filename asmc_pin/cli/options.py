@@ -5,16 +5,14 @@ ARM options name joints as the URDF does; every message says what was given and 
 
 from __future__ import annotations
 
-import json
 import math
-import sys
 from collections.abc import Iterable
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import numpy as np
 import typer
 
+from asmc_pin.choices import Condition
+from asmc_pin.cli.console import announce_compiling, note
 from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -28,7 +26,7 @@ MbarOption: TypeAlias = Annotated[
     typer.Option("--mbar", metavar="M1,M2,…", help="Diagonal of M̄ in kg·m², base to tip, or one value for all joints."),
 ]
 ConditionOption: TypeAlias = Annotated[
-    str, typer.Option("--condition", metavar="lemma1|weighted", help="lemma1: ‖I − M⁻¹M̄‖₂ < 1. weighted: M̄ ≺ 2M.")
+    Condition, typer.Option("--condition", metavar="lemma1|weighted", help="lemma1: ‖I − M⁻¹M̄‖₂ < 1. weighted: M̄ ≺ 2M.")
 ]
 BoxOption: TypeAlias = Annotated[
     list[str] | None,
@@ -186,7 +184,7 @@ def open_domain(
     Returns:
         The arm with all that has one value, and the ranges and choices as keywords of `verify` and its fellows.
     """
-    from asmc_pin.arms import load_arm
+    from asmc_pin.arms.registry import find
 
     single: dict[str, Any] = {}
     ranges: dict[str, Any] = {}
@@ -203,33 +201,11 @@ def open_domain(
         ranges["lock"] = choices
     if gravity is not None:
         single["gravity"] = numbers(gravity, "--gravity")
+    find(source)  # a name that is none is told before anything heavy is loaded
+    announce_compiling()
+    from asmc_pin.arms import load_arm
+
     arm = load_arm(source, lock=held or None, **single)
     for warning in arm.warnings:
         note(f"warning: {warning}")
     return arm, ranges
-
-
-def note(message: str) -> None:
-    """A remark on standard error, where it never mixes with a result."""
-    print(f"asmc-pin: {message}", file=sys.stderr)
-
-
-def print_json(value: dict[str, Any]) -> None:
-    """Print one strictly valid JSON object: undefined figures become null."""
-    print(json.dumps(_plain(value), ensure_ascii=False, allow_nan=False, indent=2))
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray):
-        return _plain(value.tolist())
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if isinstance(value, np.generic):
-        return _plain(value.item())
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, Path):
-        return str(value)
-    return value

@@ -8,7 +8,7 @@ import typer
 
 from asmc_pin.cli.app import app
 from asmc_pin.cli.condition import EXIT
-from asmc_pin.cli.console import progress_bar
+from asmc_pin.cli.console import announce_compiling, print_json, progress_bar, say
 from asmc_pin.cli.options import (
     ArmArgument,
     ArmatureOption,
@@ -17,9 +17,9 @@ from asmc_pin.cli.options import (
     LockOption,
     PayloadOption,
     open_domain,
-    print_json,
 )
 from asmc_pin.errors import ParameterError
+from asmc_pin.files import check_readable
 
 
 @app.command()
@@ -32,6 +32,7 @@ def check(
     Exit status 0: the certificate is valid and its M̄ proven; 1: not valid, or valid and a counter-example to its M̄,
     the text says which; 2: unreadable as a certificate; 3: valid, and its M̄ undecided.
     """
+    check_readable(certificate, "the certificate")
     from asmc_pin.condition.check import check as run
 
     with progress_bar() as progress:
@@ -39,7 +40,7 @@ def check(
     if as_json:
         print_json(result.to_json_dict())
     else:
-        typer.echo("\n".join(result.lines()))
+        say(*result.lines())
     raise typer.Exit(1 if result.verdict is None else EXIT[result.verdict])
 
 
@@ -54,16 +55,16 @@ def agree(
     as_json: JsonOption = False,
 ) -> None:
     """Compare an arm's dynamics with MuJoCo, which reads the same URDF text. Exit status 1 when they disagree."""
-    from asmc_pin.agreement import agree as run
-
     loaded, ranges = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
     if ranges:
         raise ParameterError(f"--{next(iter(ranges))}", "one value expected here, not a range")
+    from asmc_pin.agreement import agree as run
+
     report = run(loaded, seed=seed)
     if as_json:
         print_json(report.to_json_dict())
     else:
-        typer.echo("\n".join(report.lines()))
+        say(*report.lines())
     raise typer.Exit({"agrees": 0, "disagrees": 1, "not compared": 3}[report.verdict])
 
 
@@ -82,6 +83,10 @@ def reproduce(
     as_json: JsonOption = False,
 ) -> None:
     """Run the paper's experiments, as printed and as reconciled, and set its figures beside what is measured."""
+    from asmc_pin.study.paper import known
+
+    known(names)
+    announce_compiling()
     from asmc_pin.study.reproduce import reproduce as run
 
     with progress_bar() as progress:
@@ -89,4 +94,4 @@ def reproduce(
     if as_json:
         print_json(done.to_json_dict())
     else:
-        typer.echo("\n".join(done.lines()))
+        say(*done.lines())

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 import typer
 
 from asmc_pin.cli.app import app
-from asmc_pin.cli.console import progress_bar
-from asmc_pin.cli.options import JsonOption, note, print_json
+from asmc_pin.cli.console import announce_compiling, note, print_json, progress_bar, rich_console, say
+from asmc_pin.cli.options import JsonOption
+from asmc_pin.files import check_writable
+from asmc_pin.text import visible
 
 if TYPE_CHECKING:
     from asmc_pin.study import Comparison
@@ -34,9 +36,11 @@ def compare(
 ) -> None:
     """Run every controller of an experiment on the same plant; write trajectories, tables, figures and a report."""
     from asmc_pin.experiment import load_experiment
-    from asmc_pin.study import compare as run
 
     loaded = load_experiment(experiment)
+    announce_compiling()
+    from asmc_pin.study import compare as run
+
     with progress_bar() as progress:
         comparison = run(loaded, out=out, force=force, progress=progress, warn=warn, refine=refine)
     if as_json:
@@ -48,12 +52,15 @@ def compare(
 @app.command()
 def report(directory: DirArgument) -> None:
     """Write report.html of a result anew."""
+    from asmc_pin.results import find_result, load_result
+
+    find_result(directory)
+    announce_compiling()
     from asmc_pin.report.html import report_html
-    from asmc_pin.results import load_result
 
     result = load_result(directory)
     report_html(result, result.path / "report.html")
-    typer.echo(f"report: {result.path / 'report.html'}")
+    say(f"report: {result.path / 'report.html'}")
 
 
 @app.command()
@@ -65,14 +72,19 @@ def view(
     port: Annotated[int, typer.Option(min=0, max=65535, help="On 127.0.0.1; 0 takes a free one.")] = 0,
 ) -> None:
     """Replay a result in the browser, the controllers side by side. Served on 127.0.0.1 only; Ctrl-C ends it."""
+    from asmc_pin.results import find_result, load_result
+
+    find_result(directory)
+    if html is not None:
+        check_writable(html)
+    announce_compiling()
     from asmc_pin import viewer
-    from asmc_pin.results import load_result
 
     result = load_result(directory)
     if html is not None:
         path = Path(html)
         viewer.write_replay(result, path)
-        typer.echo(f"replay: {path} ({path.stat().st_size / 1e6:.1f} MB)")
+        say(f"replay: {path} ({path.stat().st_size / 1e6:.1f} MB)")
         return
     viewer.serve(result.path, port=port)
 
@@ -85,14 +97,15 @@ def demo() -> None:
     from asmc_pin.experiment import load_experiment
     from asmc_pin.study import compare as run
 
+    announce_compiling()
     experiment = load_experiment("demo")
     arm = experiment.build_arm()
-    typer.echo("1. May this M̄ be used?")
+    say("1. May this M̄ be used?")
     with progress_bar() as progress:
-        progress("searching", 0.0)  # the first run also compiles the kernels
+        progress("searching", 0.0)
         verdict = verify(arm, experiment.defaults["mbar"])
     print_verdict(verdict)
-    typer.echo("\n2. Which controller is better?")
+    say("", "2. Which controller is better?")
     with progress_bar() as progress:
         comparison = run(experiment, force=True, progress=progress, warn=warn)
     print_comparison(comparison)
@@ -105,32 +118,30 @@ def warn(line: str) -> None:
 
 def print_comparison(comparison: Comparison) -> None:
     """Print the table that a person reads first, what to know about it, and where the rest lies."""
-    from rich.console import Console
-    from rich.markup import escape
     from rich.table import Table
 
-    console = Console(highlight=False)
+    console = rich_console()
     overview = comparison.overview()
-    header = list(overview.header)
-    columns = list(zip(*overview.rows, strict=True))
+    header = list(map(visible, overview.header))
+    rows = [list(map(visible, row)) for row in overview.rows]
+    columns = list(zip(*rows, strict=True))
 
     def width() -> int:
         cells = ([*head.split("\n"), *column] for head, column in zip(header, columns, strict=True))
         return sum(max(map(len, column)) + 1 for column in cells)
 
-    # Where the terminal is narrow, headings are broken at their spaces; a scheme or a figure is never cut.
+    # Where the terminal is narrow, headings are broken at their spaces and underscores, so that six joints fit 80
+    # columns; a scheme or a figure is never cut.
     if width() > console.width:
-        header = [head.replace(" ", "\n") for head in header]
+        header = [head.replace(" ", "\n").replace("_", "_\n") for head in header]
         console.width = max(console.width, width())
-    title = escape(overview.title)  # "[deg]" is a unit here and no markup
-    names = map(escape, header)
-    table = Table(*names, title=title, title_justify="left", box=None, pad_edge=False, collapse_padding=True)
+    table = Table(*header, title=overview.title, title_justify="left", box=None, pad_edge=False, collapse_padding=True)
     for column in table.columns[1:]:
         column.justify = "right"
-    for row in overview.rows:
-        table.add_row(*(escape(cell) for cell in row))
+    for row in rows:
+        table.add_row(*row)
     console.print(table)
     for line in comparison.notes:
-        console.print(f"note: {line}", soft_wrap=True, markup=False)
-    console.print(f"report: {comparison.out / 'report.html'}", soft_wrap=True, markup=False)
-    console.print(f"replay: asmc-pin view {comparison.out}", soft_wrap=True, markup=False)
+        console.print(visible(f"note: {line}"), soft_wrap=True)
+    console.print(f"report: {comparison.out / 'report.html'}", soft_wrap=True)
+    console.print(f"replay: asmc-pin view {comparison.out}", soft_wrap=True)

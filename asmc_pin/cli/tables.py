@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from asmc_pin.cli.app import app
-from asmc_pin.cli.options import JsonOption, print_json
+from asmc_pin.cli.console import print_json, rich_console
+from asmc_pin.cli.options import JsonOption
 
 Rows = tuple[list[str], list[list[str]]]
 
@@ -42,16 +43,14 @@ def _print(title: str, table: Rows, as_json: bool, leave_out: tuple[str, ...] = 
         return
     kept = [i for i, name in enumerate(header) if name not in leave_out]
     header, rows = [header[i] for i in kept], [[row[i] for i in kept] for row in rows]
-    from rich.console import Console
     from rich.table import Table
-    from rich.text import Text
 
     view = Table(*header, title=None, box=None, pad_edge=False)
     for column in view.columns:
         column.overflow = "fold"  # an equation may be broken, never cut
     for row in rows:
-        view.add_row(*map(Text, row))  # plain: a unit in square brackets is no markup
-    Console(soft_wrap=False).print(view)
+        view.add_row(*row)
+    rich_console().print(view)
 
 
 @app.command()

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Any, TypeAlias, get_args
 
 import numpy as np
 
+from asmc_pin.choices import Objective as Objective
+from asmc_pin.clock import Clock
 from asmc_pin.condition.box import BoxLike
 from asmc_pin.condition.design_report import DesignReport, Point
 from asmc_pin.condition.exchange import Active, Exchanged, exchange
@@ -22,7 +23,6 @@ from asmc_pin.errors import ParameterError
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
 
-Objective = Literal["contraction", "bandwidth"]
 
 BoundsLike: TypeAlias = "tuple[float | None, float | None] | Mapping[str, tuple[float | None, float | None]] | None"
 """(least, largest) m̄ of every joint, or joint to such a pair; None where there is no bound, kg·m²."""
@@ -76,7 +76,7 @@ def design(
         ParameterError: Malformed options.
         ArmError: A prismatic joint has no range.
     """
-    began = time.perf_counter()
+    clock = Clock()
     condition = check_condition(condition)
     for name, value, known in (("objective", objective, get_args(Objective)), ("form", form, get_args(Form))):
         if value not in known:
@@ -88,14 +88,14 @@ def design(
     active = Active([case.domain for case in all_cases], seed)
     least = exchange(active, condition, limits)
     if least is None or least.solution.value >= 1.0 - 1e-9:
-        return _infeasible(all_cases, condition, objective, form, limits, least, time.perf_counter() - began)
+        return _infeasible(all_cases, condition, objective, form, limits, least, clock.seconds())
     ceiling = 1.0 - MARGIN * (1.0 - least.norm) if level is None else level
     fastest = None
     if objective == "bandwidth" or explain:
         fastest = exchange(active, condition, limits, ceiling)
     chosen = least if objective == "contraction" else fastest
     if chosen is None:
-        return _infeasible(all_cases, condition, objective, form, limits, least, time.perf_counter() - began)
+        return _infeasible(all_cases, condition, objective, form, limits, least, clock.seconds())
     mbar = chosen.solution.mbar
     ranges: dict[str, Any] = {"box": box, "payload": payload, "armature": armature, "lock": lock}
     check = verify(arm, mbar, condition=condition, seed=seed + 1000, samples=2**16, starts=128, **ranges)
@@ -123,7 +123,7 @@ def design(
         bandwidth=chosen.bandwidth,
         level=ceiling if objective == "bandwidth" else None,
         rounds=chosen.rounds,
-        seconds=time.perf_counter() - began,
+        seconds=clock.seconds(),
         limits=limits_of(all_cases, condition, chosen),
         by_armature=least.solution.by_armature,
         trade_off=tuple(curve),

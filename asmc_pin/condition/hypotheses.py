@@ -11,10 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
+from asmc_pin.choices import Condition as Condition
 from asmc_pin.text import exact, printable, quoted
-
-Condition: TypeAlias = Literal["lemma1", "weighted"]
-"""``lemma1``: ‖I − M⁻¹M̄‖₂ < 1. ``weighted``: M̄ ≺ 2M, that is max|1 − λ(M⁻¹M̄)| < 1."""
 
 Interval: TypeAlias = tuple[float, float]
 

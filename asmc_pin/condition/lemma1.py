@@ -10,8 +10,8 @@ from typing import get_args
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.choices import Condition as Condition
 from asmc_pin.condition import kernels
-from asmc_pin.condition.hypotheses import Condition as Condition
 from asmc_pin.errors import NotPositiveDefinite, ParameterError
 
 CONDITIONS: tuple[Condition, ...] = get_args(Condition)

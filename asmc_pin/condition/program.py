@@ -14,14 +14,13 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.choices import Form as Form
 from asmc_pin.condition.lemma1 import Condition
-
-Form = Literal["diagonal", "scalar"]
 
 
 @dataclass(frozen=True, eq=False)

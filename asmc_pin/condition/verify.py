@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.clock import Clock
 from asmc_pin.condition.along import Motion, check_units, motion_of, norms_along, tube, worst_in_tube
 from asmc_pin.condition.box import BoxLike
 from asmc_pin.condition.hypotheses import Where
@@ -103,7 +103,7 @@ def verify(
         ArmError: A prismatic joint has no range.
         NotPositiveDefinite: M(q) is not positive definite somewhere.
     """
-    began = time.perf_counter()
+    clock = Clock()
     condition = check_condition(condition)
     all_cases = cases(arm, box, payload, armature, lock)
     first = all_cases[0].domain
@@ -132,7 +132,7 @@ def verify(
         upper=None,
         worst_q=worst.q,
         configurations=outcome.configurations,
-        seconds=time.perf_counter() - began,
+        seconds=clock.seconds(),
         smallest=float(outcome.cloud.min()),
         worst_armature=worst.armature,
         samples=outcome.cloud,

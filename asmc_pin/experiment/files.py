@@ -5,11 +5,14 @@ from __future__ import annotations
 import difflib
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from asmc_pin.errors import ExperimentError
-from asmc_pin.experiment.model import Experiment
 from asmc_pin.experiment.toml import read_toml
 from asmc_pin.resources import shipped
+
+if TYPE_CHECKING:
+    from asmc_pin.experiment.model import Experiment
 
 
 def experiment_names() -> list[str]:
@@ -28,12 +31,19 @@ def load_experiment(source: str | Path) -> Experiment:
         ExperimentError: there is no such file, its TOML is broken (names the line), or keys or values are wrong (lists
             every mistake, with the path of its key and the nearest known one).
     """
-    path = _find(source)
+    path = find_experiment(source)
     text, data = read_toml(path)
+    from asmc_pin.experiment.model import Experiment  # only now: it brings all that an experiment may be made of
+
     return Experiment.from_dict(data, folder=_folder(path), origin=str(path), text=text)
 
 
-def _find(source: str | Path) -> Path:
+def find_experiment(source: str | Path) -> Path:
+    """The file that a name or a path stands for.
+
+    Raises:
+        ExperimentError: there is none; names the nearest known experiment.
+    """
     names = experiment_names()
     if isinstance(source, str) and source in names:
         return shipped("experiments") / f"{source}.toml"
@@ -54,7 +64,7 @@ def _folder(path: Path) -> Path:
     provenance = folder / "provenance.json"
     if path.name == "experiment.toml" and provenance.is_file():
         try:
-            origin = Path(json.loads(provenance.read_text(encoding="utf-8"))["experiment"]["folder"])
+            origin = folder / json.loads(provenance.read_text(encoding="utf-8"))["experiment"]["folder"]
         except (ValueError, KeyError, TypeError):
             return folder
         return origin if origin.is_dir() else folder

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import io
 from dataclasses import dataclass
-from html import escape
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -16,13 +15,15 @@ from matplotlib import colormaps
 
 from asmc_pin.condition import ConditionReport, DesignReport
 from asmc_pin.errors import ParameterError
+from asmc_pin.files import write_whole
+from asmc_pin.media import for_html, for_markdown
 from asmc_pin.report.condition_figures import COLOURS, along_figure, distribution_figure, maps_figure, trade_off_figure
 from asmc_pin.report.condition_text import facts, headline, joint_table, meaning, sentence
 from asmc_pin.report.style import paper_style
+from asmc_pin.report.tables import Table, markdown_table
 from asmc_pin.viewer.bodies import draw
 from asmc_pin.viewer.motion import Motion, describe
 from asmc_pin.viewer.page import POLICY, player_scripts, replay_element, static
-from asmc_pin.viewer.replay import write_page
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,11 +60,11 @@ def write_condition_report(report: ConditionReport | DesignReport, arm: Arm, pat
         raise ParameterError("report", f"{path.name} ends in neither .html nor .md; the ending chooses the form")
     plates = list(_plates(report))
     if path.suffix.lower() == ".html":
-        write_page(_html(report, arm, plates), path)
+        write_whole(path, _html(report, arm, plates))
         return
-    write_page(_markdown(report, arm, plates, path.stem), path)
     for plate in plates:
-        path.with_name(f"{path.stem}_{plate.name}.png").write_bytes(_png(plate.figure))
+        write_whole(path.with_name(f"{path.stem}_{plate.name}.png"), _png(plate.figure))
+    write_whole(path, _markdown(report, arm, plates, path.stem))
 
 
 def _plates(report: ConditionReport | DesignReport) -> list[_Plate]:
@@ -89,32 +90,32 @@ def _plates(report: ConditionReport | DesignReport) -> list[_Plate]:
 def _html(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Plate]) -> str:
     check = report.check if isinstance(report, DesignReport) else report
     body = [
-        f"<h1>{escape(headline(report))}</h1>",
-        f'<p class="lead">{escape(report.formula)}</p>',
-        f"<p>{escape(sentence(report))}</p>",
+        f"<h1>{for_html(headline(report))}</h1>",
+        f'<p class="lead">{for_html(report.formula)}</p>',
+        f"<p>{for_html(sentence(report))}</p>",
     ]
     notes = list(check.notes) if check is not None else []
     if notes:
-        body.append('<ul class="notes">' + "".join(f'<li class="note">{escape(n)}</li>' for n in notes) + "</ul>")
+        body.append('<ul class="notes">' + "".join(f'<li class="note">{for_html(n)}</li>' for n in notes) + "</ul>")
     if isinstance(report, DesignReport):
         body.append("<h2>Why this M̄, and what would help</h2>")
-        body += [f"<p>{escape(line)}</p>" for line in report.reasons()]
+        body += [f"<p>{for_html(line)}</p>" for line in report.reasons()]
     body += ["<h2>What was asked and how</h2>", "<dl>"]
-    body += [f"<dt>{escape(term)}</dt><dd>{escape(value)}</dd>" for term, value in facts(report, arm)]
+    body += [f"<dt>{for_html(term)}</dt><dd>{for_html(value)}</dd>" for term, value in facts(report, arm)]
     body.append("</dl>")
     if check is not None:
         head, rows = joint_table(check, arm)
         cells = "".join(
             "<tr>"
-            + f'<th scope="row">{escape(row[0])}</th>'
-            + "".join(f"<td>{escape(c)}</td>" for c in row[1:])
+            + f'<th scope="row">{for_html(row[0])}</th>'
+            + "".join(f"<td>{for_html(c)}</td>" for c in row[1:])
             + "</tr>"
             for row in rows
         )
-        header = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in head)
+        header = "".join(f'<th scope="col">{for_html(cell)}</th>' for cell in head)
         body.append('<h2>Joints and the worst configuration</h2><div class="scroll" tabindex="0">')
         body.append(f"<table><thead><tr>{header}</tr></thead><tbody>{cells}</tbody></table></div>")
-        body.append(f"<h3>{escape(check.subject.name)} in its worst configuration</h3>")
+        body.append(f"<h3>{for_html(check.subject.name)} in its worst configuration</h3>")
         body.append(f'<div class="panel">{_posture(check)}</div>')
         if check.motion is not None:
             body.append("<h3>The motion, coloured by the norm: dark where it is least, bright where it is largest</h3>")
@@ -122,15 +123,15 @@ def _html(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Plate]
         body.append("<h2>Figures</h2>")
     for plate in plates:
         data = base64.b64encode(_png(plate.figure)).decode()
-        image = f'<img alt="{escape(plate.caption)}" src="data:image/png;base64,{data}">'
+        image = f'<img alt="{for_html(plate.caption)}" src="data:image/png;base64,{data}">'
         body.append(
-            f'<figure><div class="paper">{image}</div><figcaption>{escape(plate.caption)}</figcaption></figure>'
+            f'<figure><div class="paper">{image}</div><figcaption>{for_html(plate.caption)}</figcaption></figure>'
         )
     body.append("<h2>What the condition means</h2>")
-    body += [f"<p>{escape(line)}</p>" for line in meaning(report.condition)]
+    body += [f"<p>{for_html(line)}</p>" for line in meaning(report.condition)]
     return Template(_static("report.html")).substitute(
         policy=POLICY,
-        title=escape(headline(report)),
+        title=for_html(headline(report)),
         style=static("player.css") + _static("report.css"),
         body="\n".join(body),
         scripts=player_scripts() if check is not None else "",
@@ -140,23 +141,37 @@ def _html(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Plate]
 def _markdown(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Plate], stem: str) -> str:
     check = report.check if isinstance(report, DesignReport) else report
     lines = [
-        f"# {headline(report)}",
+        f"# {for_markdown(headline(report))}",
         "",
         f"`{report.formula}`",
         "",
-        sentence(report),
+        for_markdown(sentence(report)),
     ]
     if check is not None and check.notes:
-        lines += ["", *(f"- {note}" for note in check.notes)]
+        lines += ["", *(f"- {for_markdown(note)}" for note in check.notes)]
     if isinstance(report, DesignReport):
-        lines += ["", "## Why this M̄, and what would help", "", *(f"- {line}" for line in report.reasons())]
-    lines += ["", "## What was asked and how", "", *(f"- **{term}**: {value}" for term, value in facts(report, arm))]
+        lines += [
+            "",
+            "## Why this M̄, and what would help",
+            "",
+            *(f"- {for_markdown(line)}" for line in report.reasons()),
+        ]
+    lines += [
+        "",
+        "## What was asked and how",
+        "",
+        *(f"- **{term}**: {for_markdown(value)}" for term, value in facts(report, arm)),
+    ]
     if check is not None:
         head, rows = joint_table(check, arm)
-        lines += ["", "## Joints and the worst configuration", "", "| " + " | ".join(head) + " |"]
-        lines += ["|" + "---|" * len(head), *("| " + " | ".join(row) + " |" for row in rows)]
+        lines += ["", "## Joints and the worst configuration", "", markdown_table(Table("", head, rows))]
     for plate in plates:
-        lines += ["", f"![{plate.caption}]({stem}_{plate.name}.png)", "", f"*{plate.caption}*"]
+        lines += [
+            "",
+            f"![{for_markdown(plate.caption)}](<{stem}_{plate.name}.png>)",
+            "",
+            f"*{for_markdown(plate.caption)}*",
+        ]
     lines += ["", "## What the condition means", "", "\n\n".join(meaning(report.condition))]
     return "\n".join(lines) + "\n"
 

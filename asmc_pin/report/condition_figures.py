@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from asmc_pin.condition import ConditionReport, DesignReport
 from asmc_pin.condition.heatmap import heatmap, pairs
+from asmc_pin.media import for_figure
 from asmc_pin.report.style import COLUMN, GREY, PAGE, paper_style
 from asmc_pin.viewer.colours import PALETTE
 
@@ -91,8 +92,8 @@ def maps_figure(report: ConditionReport, arm: Arm, *, resolution: int = 61) -> F
             if float(np.nanmax(item.norms)) > 1.0 > float(np.nanmin(item.norms)):
                 axes.contour(item.x, item.y, item.norms, levels=[1.0], colors=[LIMIT], linewidths=0.9)
             axes.plot(*(report.worst_q[arm.joint_names.index(joint)] for joint in item.joints), "x", color=LIMIT, ms=4)
-            axes.set_xlabel(item.joints[0])
-            axes.set_ylabel(item.joints[1])
+            axes.set_xlabel(for_figure(item.joints[0]))
+            axes.set_ylabel(for_figure(item.joints[1]))
             axes.grid(False)
         for axes in grid.ravel()[len(maps) :]:
             axes.set_axis_off()

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from asmc_pin._typing import Array
+from asmc_pin.media import for_figure
 from asmc_pin.report.curves import running_max, spread, thinned
 from asmc_pin.report.style import COLUMN, GREY, PAGE, paper_style, save
 from asmc_pin.report.tables import short_names
@@ -166,12 +167,7 @@ def _joint_grid(dataset: xr.Dataset) -> tuple[Figure, list[Axes]]:
 
 
 def _titles(dataset: xr.Dataset) -> list[str]:
-    return [_plain(name.replace("_", " ")) for name in short_names(list(dataset.joint.to_numpy()))]
-
-
-def _plain(text: str) -> str:
-    """A user's text, in which a dollar sign starts no formula."""
-    return text.replace("$", r"\$")
+    return [for_figure(name) for name in short_names(list(dataset.joint.to_numpy()))]
 
 
 def _by_controller(dataset: xr.Dataset, name: str) -> Array:
@@ -183,7 +179,7 @@ def _controllers(dataset: xr.Dataset) -> Iterator[tuple[str, str, int]]:
     """Label, colour and index of each controller."""
     labels = [str(label) for label in dataset.controller.to_numpy()]
     colors = controller_colors(labels)
-    return ((_plain(label), colors[label], k) for k, label in enumerate(labels))
+    return ((for_figure(label), colors[label], k) for k, label in enumerate(labels))
 
 
 def _linear_until(values: Array) -> float:

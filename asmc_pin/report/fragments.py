@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from html import escape
 
+from asmc_pin.media import for_html
 from asmc_pin.metrics import Metric
 from asmc_pin.report.tables import Table, smallest
 
@@ -18,26 +18,26 @@ def table_html(table: Table, colours: Mapping[str, str], best: Iterable[int] = (
         best: Columns in which the smallest figure is marked.
     """
     marked = {(row, column) for column in best for row in smallest([line[column] for line in table.rows])}
-    head = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in table.header)
+    head = "".join(f'<th scope="col">{for_html(cell)}</th>' for cell in table.header)
     rows = []
     for i, line in enumerate(table.rows):
         colour = colours.get(line[0]) or colours.get(line[0].partition(", trial ")[0])
         chip = f'<span class="chip" style="--colour:{colour}"></span>' if colour else ""
         cells = "".join(_cell(cell, (i, j) in marked) for j, cell in enumerate(line[1:], start=1))
-        rows.append(f'<tr><th scope="row">{chip}{escape(line[0])}</th>{cells}</tr>')
+        rows.append(f'<tr><th scope="row">{chip}{for_html(line[0])}</th>{cells}</tr>')
     return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
 
 
 def _cell(text: str, best: bool) -> str:
     kind = ' class="best"' if best else ' class="over"' if text.startswith("diverged") else ""
-    return f"<td{kind}>{escape(text)}</td>"
+    return f"<td{kind}>{for_html(text)}</td>"
 
 
 def definitions(metrics: Iterable[Metric]) -> str:
     """A table of metrics: name, unit, formula, source."""
     rows = "".join(
-        f'<tr><th scope="row">{escape(metric.title)}</th><td>{escape(metric.unit)}</td>'
-        f"<td><code>{escape(metric.formula)}</code></td><td>{escape(metric.source)}</td></tr>"
+        f'<tr><th scope="row">{for_html(metric.title)}</th><td>{for_html(metric.unit)}</td>'
+        f"<td><code>{for_html(metric.formula)}</code></td><td>{for_html(metric.source)}</td></tr>"
         for metric in metrics
     )
     head = "".join(
@@ -48,9 +48,9 @@ def definitions(metrics: Iterable[Metric]) -> str:
 
 def definition_list(facts: Sequence[tuple[str, str]]) -> str:
     """Terms and what they are."""
-    return "<dl>" + "".join(f"<dt>{escape(term)}</dt><dd>{escape(value)}</dd>" for term, value in facts) + "</dl>"
+    return "<dl>" + "".join(f"<dt>{for_html(term)}</dt><dd>{for_html(value)}</dd>" for term, value in facts) + "</dl>"
 
 
 def details(summary: str, content: str) -> str:
     """Something to unfold. The summary is plain text, the content HTML."""
-    return f"<details><summary>{escape(summary)}</summary>{content}</details>"
+    return f"<details><summary>{for_html(summary)}</summary>{content}</details>"

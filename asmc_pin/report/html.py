@@ -9,7 +9,6 @@ from __future__ import annotations
 import base64
 from collections.abc import Iterable, Iterator
 from functools import cache
-from html import escape
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -20,12 +19,14 @@ from asmc_pin.arms import Arm
 from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.condition.premises import premises_along
 from asmc_pin.errors import ResultError
+from asmc_pin.files import write_whole
+from asmc_pin.media import for_html
 from asmc_pin.metrics import METRICS
 from asmc_pin.report.fragments import definition_list, definitions, details, table_html
 from asmc_pin.report.tables import MAIN, Table, metric_table, number, overview, per_joint, tool_table
 from asmc_pin.report.theorem_page import theorem_section
 from asmc_pin.results import Result
-from asmc_pin.viewer import controller_colors, player_scripts, replay_fragment, static, write_page
+from asmc_pin.viewer import controller_colors, player_scripts, replay_fragment, static
 from asmc_pin.viewer.page import POLICY
 
 SMALL_IS_BEST = ("rms_error", "max_error", "final_error", "settling_time", "torque_variation")
@@ -53,7 +54,7 @@ def report_html(result: Result, path: str | Path) -> None:
     Raises:
         ResultError: The arm cannot be loaded any more, or the page cannot be written.
     """
-    write_page(report_text(result), path)
+    write_whole(path, report_text(result))
 
 
 def report_text(result: Result) -> str:
@@ -77,7 +78,7 @@ def report_text(result: Result) -> str:
     ]
     return Template(_static("report.html")).substitute(
         policy=POLICY,
-        title=escape(f"{result.experiment.name}: {_labels(result, ' · ')}"),
+        title=for_html(f"{result.experiment.name}: {' · '.join(_label_list(result))}"),
         style=static("player.css") + _static("report.css"),
         body="\n".join(body),
         scripts=player_scripts(),
@@ -89,9 +90,9 @@ def _head(result: Result) -> Iterator[str]:
     about, arm = _about(result)
     trials = result.dataset.sizes["trial"]
     several = f", {trials} trials" if trials > 1 else ""
-    yield f"<h1>{escape(experiment.name)}</h1>"
+    yield f"<h1>{for_html(experiment.name)}</h1>"
     yield (
-        f'<p class="lead">{_labels(result, ", ")} on {escape(about.title)}, {arm.nv} joints, '
+        f'<p class="lead">{for_html(", ".join(_label_list(result)))} on {for_html(about.title)}, {arm.nv} joints, '
         f"{experiment.duration:g} s, control period {1e3 * experiment.period:g} ms{several}.</p>"
     )
     yield '<ul class="cards">'
@@ -105,7 +106,7 @@ def _head(result: Result) -> Iterator[str]:
         yield '<ul class="notes">'
         for kind, line in lines:
             sign = "Warning: " if kind == "warning" else ""
-            yield f'<li class="{kind}">{sign}{escape(line)}</li>'
+            yield f'<li class="{kind}">{sign}{for_html(line)}</li>'
         yield "</ul>"
 
 
@@ -128,10 +129,10 @@ def _cards(result: Result) -> Iterator[str]:
             state = f"{len(over)} of {len(states)} trials {states[over[0]]}"
         figure = number(worst[label]) + (f" {unit}" if np.isfinite(worst[label]) else "")
         yield (
-            f'<li style="--colour:{colours[label]}"><b>{escape(label)}</b>'
-            f'<span class="law">{escape(str(dataset.law.to_numpy()[k]))}</span>'
+            f'<li style="--colour:{colours[label]}"><b>{for_html(label)}</b>'
+            f'<span class="law">{for_html(str(dataset.law.to_numpy()[k]))}</span>'
             f'<span class="figure">{figure}<small>RMS error, worst joint</small></span>'
-            f'<span class="state{" is-over" if over else ""}">{escape(state)}</span></li>'
+            f'<span class="state{" is-over" if over else ""}">{for_html(state)}</span></li>'
         )
 
 
@@ -146,7 +147,7 @@ def _tables(result: Result) -> Iterator[str]:
     summary = result.summary
     table = overview(summary)
     yield '<h2 id="summary">Comparison</h2>'
-    yield f"<p>{escape(table.title)} of each joint; the worst error of all, and the chatter of the torque.</p>"
+    yield f"<p>{for_html(table.title)} of each joint; the worst error of all, and the chatter of the torque.</p>"
     yield html(table, True)
     yield (
         '<p class="soft">Worst error: the largest of all joints over the run. Chatter: torque '
@@ -154,7 +155,7 @@ def _tables(result: Result) -> Iterator[str]:
     )
     tool = tool_table(summary)
     if tool is not None:
-        yield f"<h3>{escape(tool.title)}</h3>"
+        yield f"<h3>{for_html(tool.title)}</h3>"
         yield '<p class="soft">Distance of the frame from where the reference has it, and angle of the turn.</p>'
         yield html(tool, True)
     names = sorted(METRICS, key=lambda name: (name not in MAIN, MAIN.index(name) if name in MAIN else 0))
@@ -162,7 +163,9 @@ def _tables(result: Result) -> Iterator[str]:
     parts = []
     for name in rest:
         table = metric_table(summary, name)
-        parts.append(f'<h3>{escape(table.title)}</h3><p class="soft"><code>{escape(METRICS[name].formula)}</code></p>')
+        parts.append(
+            f'<h3>{for_html(table.title)}</h3><p class="soft"><code>{for_html(METRICS[name].formula)}</code></p>'
+        )
         parts.append(html(table, name in SMALL_IS_BEST))
     yield details("All metrics, joint by joint", f'<div class="body">{"".join(parts)}</div>')
 
@@ -179,8 +182,8 @@ def _figures(result: Result) -> Iterator[str]:
         except OSError as error:
             raise ResultError(result.path, f"{path} cannot be read: {error.strerror or error}") from error
         yield (
-            f'<figure><div class="paper"><img alt="{escape(caption)}" src="data:image/png;base64,{data}"></div>'
-            f"<figcaption>{escape(caption)}</figcaption></figure>"
+            f'<figure><div class="paper"><img alt="{for_html(caption)}" src="data:image/png;base64,{data}"></div>'
+            f"<figcaption>{for_html(caption)}</figcaption></figure>"
         )
 
 
@@ -189,7 +192,7 @@ def _conditions(result: Result) -> Iterator[str]:
     yield '<h2 id="conditions">Arm and experiment</h2>'
     yield f'<div class="scroll" tabindex="0">{table_html(_joint_table(arm), {})}</div>'
     yield definition_list(about.rows())
-    yield details("The experiment as run", f"<pre>{escape(result.experiment.to_toml().strip())}</pre>")
+    yield details("The experiment as run", f"<pre>{for_html(result.experiment.to_toml().strip())}</pre>")
 
 
 def _about(result: Result) -> tuple[Premises, Arm]:
@@ -231,10 +234,6 @@ def _provenance(result: Result) -> Iterator[str]:
 
 def _label_list(result: Result) -> list[str]:
     return [str(label) for label in result.dataset.controller.to_numpy()]
-
-
-def _labels(result: Result, separator: str) -> str:
-    return escape(separator.join(_label_list(result)))
 
 
 @cache

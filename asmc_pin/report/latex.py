@@ -7,30 +7,8 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from asmc_pin.report.tables import MAIN, NOTHING, metric_table, smallest
-
-_ESCAPES = {
-    "\\": r"\textbackslash{}",
-    "&": r"\&",
-    "%": r"\%",
-    "$": r"\$",
-    "#": r"\#",
-    "_": r"\_",
-    "{": r"\{",
-    "}": r"\}",
-    "~": r"\textasciitilde{}",
-    "^": r"\textasciicircum{}",
-    "<": r"\textless{}",
-    ">": r"\textgreater{}",
-    "|": r"\textbar{}",
-    '"': "''",
-}
-_SYMBOLS = {"·": r"\,", "²": r"$^2$", NOTHING: "--", "∞": r"$\infty$", "−": "$-$", "°": r"$^\circ$"}
-
-
-def escape(text: str) -> str:
-    """Text as LaTeX prints it."""
-    return "".join(_ESCAPES.get(char) or _SYMBOLS.get(char, char) for char in text)
+from asmc_pin.media import for_latex
+from asmc_pin.report.tables import MAIN, metric_table, smallest
 
 
 def latex_table(summary: pd.DataFrame, metrics: Sequence[str] = MAIN) -> str:
@@ -44,14 +22,14 @@ def latex_table(summary: pd.DataFrame, metrics: Sequence[str] = MAIN) -> str:
     """
     joints = list(dict.fromkeys(summary.joint))
     name, arm = str(summary.experiment.iloc[0]), str(summary.arm.iloc[0])
-    listed = ", ".join(f"{i + 1}: {escape(joint)}" for i, joint in enumerate(joints))
+    listed = ", ".join(f"{i + 1}: {for_latex(joint)}" for i, joint in enumerate(joints))
     count = len(joints)
     environment = "table" if count <= 3 else "table*"  # across both columns of a page
     lines = [
         r"% Needs \usepackage{booktabs}.",
         rf"\begin{{{environment}}}[t]",
         r"  \centering",
-        rf"  \caption{{Comparison ``{escape(name)}'' on {escape(arm)}; joints {listed}.}}",
+        rf"  \caption{{Comparison ``{for_latex(name)}'' on {for_latex(arm)}; joints {listed}.}}",
         rf"  \label{{tab:{re.sub(r'[^A-Za-z0-9-]', '-', name)}}}",
         rf"  \begin{{tabular}}{{l{'r' * count}}}",
         r"    \toprule",
@@ -62,9 +40,9 @@ def latex_table(summary: pd.DataFrame, metrics: Sequence[str] = MAIN) -> str:
     for metric in metrics:
         table = metric_table(summary, metric)
         units = re.findall(r"\[(.+?)\]$", table.title)
-        title = escape(table.title.partition(" [")[0]) + (f" [{escape(units[0])}]" if units else "")
+        title = for_latex(table.title.partition(" [")[0]) + (f" [{for_latex(units[0])}]" if units else "")
         lines += [r"    \midrule", rf"    \multicolumn{{{count + 1}}}{{l}}{{\emph{{{title}}}}} \\"]
-        rows = [[escape(cell) for cell in row] for row in table.rows]
+        rows = [[for_latex(cell) for cell in row] for row in table.rows]
         if metric.endswith("_error"):
             for column in range(1, count + 1):
                 for i in smallest([row[column] for row in table.rows]):

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from asmc_pin.media import for_cell
 from asmc_pin.report.reproduction_readings import cannot_hold, search_section, words
 from asmc_pin.report.tables import Table, markdown_table, number
 
@@ -225,7 +226,7 @@ def _gains_text(values: Mapping[str, Any]) -> str:
 
 
 def _text_table(table: Table) -> str:
-    rows = [[cell.replace("|", r"\|") for cell in row] for row in (table.header, *table.rows)]
+    rows = [[for_cell(cell) for cell in row] for row in (table.header, *table.rows)]
     lines = [rows[0], ["---"] * len(table.header), *rows[1:]]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 

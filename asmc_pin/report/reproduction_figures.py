@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from asmc_pin.media import for_figure
 from asmc_pin.report.curves import running_max, thinned
 from asmc_pin.report.style import COLUMN, GREY, PAGE, paper_style, save
 from asmc_pin.viewer.colours import controller_colors
@@ -110,7 +111,7 @@ def _torques(pair: Pair) -> Figure:
                 _limit(row[column], item["paper"]["torque"], both=item["table"] != "III")
                 row[column].set_xlim(time[0], time[-1])
                 if block == 0 and i == 0:
-                    row[column].set_title(label)
+                    row[column].set_title(for_figure(label))
             row[0].set_ylabel(f"{item['set']}\n" + rf"$\tau_{i + 1}$ [N·m]")
     for axis in grid[-1]:
         axis.set_xlabel(_TIME)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,6 +18,8 @@ from asmc_pin.condition.stability.limits import Critical, critical_set, modes_of
 from asmc_pin.condition.stability.loop import SampledLoop
 from asmc_pin.condition.stability.workspace import Workspace, workspace_of
 from asmc_pin.errors import ParameterError
+from asmc_pin.files import write_whole
+from asmc_pin.media import for_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,13 +45,16 @@ def save_figures(arm: Arm, loop: SampledLoop, folder: str | Path, *, box: BoxLik
         The files written.
     """
     Path(folder).mkdir(parents=True, exist_ok=True)
-    written = []
+    written: list[Path] = []
     for name, draw in (("stability_gains", gain_region_figure), ("stability_period", period_region_figure)):
         figure = draw(arm, loop, box=box)
         for suffix in ("png", "pdf"):
             written.append(Path(folder) / f"{name}.{suffix}")
             # Without the date, so that the same input gives the same bytes.
-            figure.savefig(written[-1], dpi=150, metadata={"CreationDate": None} if suffix == "pdf" else None)
+            undated = {"CreationDate": None} if suffix == "pdf" else None
+            content = io.BytesIO()
+            figure.savefig(content, format=suffix, dpi=150, metadata=undated)
+            write_whole(written[-1], content.getvalue())
     return written
 
 
@@ -73,7 +79,7 @@ def gain_region_figure(arm: Arm, loop: SampledLoop, *, box: BoxLike = None, span
     one = bool(np.all(loop.ks == loop.ks[0]))
     axes.set_xlabel("$k_s$ (1/s)" if one else "$k_{s1}$ (1/s), the others in proportion to it")
     axes.set_ylabel("β (1/s)")
-    axes.set_title(f"{arm.name}, L = {1e3 * loop.period:g} ms{_timing(loop)}", fontsize=10)
+    axes.set_title(f"{for_figure(arm.name)}, L = {1e3 * loop.period:g} ms{_timing(loop)}", fontsize=10)
     axes.legend(loc="lower left", fontsize=8)
     return figure
 
@@ -98,7 +104,7 @@ def period_region_figure(arm: Arm, loop: SampledLoop, *, box: BoxLike = None, sp
     axes.plot(1e3 * loop.period, loop.beta[0], "o", color="black", markerfacecolor="white", label="this loop", zorder=3)
     axes.set_xlabel("L (ms)")
     axes.set_ylabel(r"β (1/s), $K_s$ in proportion to it")
-    axes.set_title(f"{arm.name}, β : k_s = {loop.beta[0]:g} : {loop.ks[0]:g}{_timing(loop)}", fontsize=10)
+    axes.set_title(f"{for_figure(arm.name)}, β : k_s = {loop.beta[0]:g} : {loop.ks[0]:g}{_timing(loop)}", fontsize=10)
     axes.legend(loc="lower left", fontsize=8)
     return figure
 
@@ -131,8 +137,10 @@ def workspace_figure(
     figure, axes = _blank()
     _paint(axes, x, y, -np.log(radii) / loop.period, "slowest decay, −ln ρ / L (1/s)")
     for axis, j in ((axes.set_xlabel, across), (axes.set_ylabel, up)):
-        axis(f"{arm.joint_names[j]} ({'rad' if arm.joint_kinds[j] == 'revolute' else 'm'})")
-    axes.set_title(f"{arm.name}, largest radius {radii.max():.5f}" + (", about rest" if gravity else ""), fontsize=10)
+        axis(f"{for_figure(arm.joint_names[j])} ({'rad' if arm.joint_kinds[j] == 'revolute' else 'm'})")
+    axes.set_title(
+        f"{for_figure(arm.name)}, largest radius {radii.max():.5f}" + (", about rest" if gravity else ""), fontsize=10
+    )
     return figure
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from asmc_pin._typing import Array
+from asmc_pin.media import for_cell, for_markdown
 from asmc_pin.metrics import METRICS, Metric
 
 # What a person reads first; the rest follows in Markdown only.
@@ -111,8 +112,7 @@ def overview(summary: pd.DataFrame) -> Table:
     base = metric_table(summary, "rms_error")
     _, units, worst = per_joint(summary, "max_error")
     _, force_units, variation = per_joint(summary, "torque_variation")
-    # Short, and with spaces where a line may break: six joints fit a terminal of 80 columns.
-    header = ["scheme", *(name.replace("_", " ") for name in base.header[1:])]
+    header = ["scheme", *base.header[1:]]
     rows = [list(row) for row in base.rows]
     if len(set(units)) == 1:
         header.append(f"worst error [{units[0]}]")
@@ -148,12 +148,12 @@ def _extend(rows: list[list[str]], values: Array) -> None:
 
 def markdown_table(table: Table, bold_smallest: bool = False) -> str:
     """A Markdown table; the smallest figure of each column in bold if asked for."""
-    rows = [[cell.replace("|", r"\|") for cell in row] for row in table.rows]
+    rows = [[for_cell(cell) for cell in row] for row in table.rows]
     if bold_smallest:
         for column in range(1, len(table.header)):
             for i in smallest([row[column] for row in table.rows]):
                 rows[i][column] = f"**{rows[i][column]}**"
-    header = [cell.replace("|", r"\|") for cell in table.header]
+    header = [for_cell(cell) for cell in table.header]
     lines = [header, ["---"] + ["---:"] * (len(header) - 1), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
@@ -173,6 +173,6 @@ def metric_tables_markdown(summary: pd.DataFrame) -> str:
         table = metric_table(summary, name)
         if all(cell == NOTHING for row in table.rows for cell in row[1:]):
             continue
-        parts += [f"## {table.title}", "", f"`{metric.formula}`", ""]
+        parts += [f"## {for_markdown(table.title)}", "", f"`{metric.formula}`", ""]
         parts += [markdown_table(table, name in _BEST_IS_SMALLEST), ""]
     return "\n".join(parts)

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from asmc_pin._typing import Array, BoolArray
+from asmc_pin.media import for_figure
 from asmc_pin.report.curves import running_max, thinned
 from asmc_pin.report.style import GREY, PAGE, paper_style, save
 from asmc_pin.viewer.colours import PALETTE, controller_colors
@@ -49,14 +50,14 @@ def theorem_figure(monitors: xr.Dataset) -> Figure:
     _shared_panels(shared.subplots(1, 3), monitors, known, colors)
     for part, label in zip(own, proved, strict=True):
         one = monitors.sel(controller=label)
-        part.suptitle(label, x=0.02, ha="left", color=colors[label], fontsize=8.0)
+        part.suptitle(for_figure(label), x=0.02, ha="left", color=colors[label], fontsize=8.0)
         _own_panels(part.subplots(2, 2), one)
         joints = [Line2D([], [], color=_joint_color(i), label=f"joint {i + 1}") for i in range(one.sizes["joint"])]
         part.legend(handles=joints, loc="outside upper right", ncols=len(joints), fontsize=6.5)
     for axis in figure.axes:
         axis.set_xlim(monitors.time[0], monitors.time[-1])
         axis.set_xlabel(TIME)
-    lines = [Line2D([], [], color=colors[label], label=label, linewidth=1.2) for label in known]
+    lines = [Line2D([], [], color=colors[label], label=for_figure(label), linewidth=1.2) for label in known]
     shared.legend(handles=lines, loc="outside upper center", ncols=min(len(lines), 5))
     return figure
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pandas as pd
 
+from asmc_pin.media import for_latex, for_markdown
 from asmc_pin.monitors import CAUSES, STATEMENTS
-from asmc_pin.report.latex import escape
 from asmc_pin.report.tables import Table, markdown_table, number
 
 TITLE = "The paper's theorems, held against these runs"
@@ -78,7 +78,7 @@ def theorems_latex(claims: pd.DataFrame, about: str) -> str:
     lines = [
         r"\begin{table}[t]",
         r"  \centering",
-        rf"  \caption{{The theorems of Baek, Jin and Han (2016), held against the runs on {escape(about)}.}}",
+        rf"  \caption{{The theorems of Baek, Jin and Han (2016), held against the runs on {for_latex(about)}.}}",
         r"  \label{tab:theorems}",
         rf"  \begin{{tabular}}{{l{'l' * len(STATEMENTS)}}}",
         r"    \toprule",
@@ -87,7 +87,7 @@ def theorems_latex(claims: pd.DataFrame, about: str) -> str:
     ]
     for label, rows in claims.groupby("controller", sort=False):
         cells = [_latex_cell(rows[rows.claim == key]) for key in STATEMENTS]
-        lines.append("    " + " & ".join([escape(str(label)), *cells]) + r" \\")
+        lines.append("    " + " & ".join([for_latex(str(label)), *cells]) + r" \\")
     lines += [r"    \bottomrule", r"  \end{tabular}", r"\end{table}", ""]
     return "\n".join(lines)
 
@@ -132,5 +132,5 @@ def theorems_markdown(claims: pd.DataFrame) -> str:
     """The table and the reasons."""
     parts = [f"## {TITLE}", "", INTRODUCTION, "", markdown_table(theorem_table(claims)), ""]
     for label, lines in reasons(claims):
-        parts += [f"**{label}**", "", *(f"- {line}" for line in lines), ""]
+        parts += [f"**{for_markdown(label)}**", "", *(f"- {for_markdown(line)}" for line in lines), ""]
     return "\n".join(parts)

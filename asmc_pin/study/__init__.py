@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from asmc_pin.study.compare import compare
-from asmc_pin.study.comparison import Comparison
+from typing import TYPE_CHECKING
+
+from asmc_pin.lazy import load_on_first_use
+
+if TYPE_CHECKING:
+    from asmc_pin.study.compare import compare as compare
+    from asmc_pin.study.comparison import Comparison as Comparison
+
+load_on_first_use(__name__, {"Comparison": "comparison", "compare": "compare"})
 
 __all__ = ["Comparison", "compare"]

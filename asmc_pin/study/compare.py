@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 import traceback
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
@@ -16,6 +15,7 @@ from asmc_pin import results
 from asmc_pin.arms import Arm
 from asmc_pin.arms.kinematics import FrameKinematics
 from asmc_pin.baselines import shown_label
+from asmc_pin.clock import Clock
 from asmc_pin.controllers import Controller
 from asmc_pin.errors import AsmcPinError, ExperimentError, ParameterError
 from asmc_pin.experiment import Experiment
@@ -128,9 +128,9 @@ def _runs(
     """Every law's run, and the seconds that it took, by label."""
     runs, seconds = {}, {}
     for i, (label, law) in enumerate(laws.items()):
-        begun = time.perf_counter()
+        clock = Clock()
         runs[label] = _run(experiment, plant, label, law, _part(tell, shown[label], i, len(laws)))
-        seconds[label] = time.perf_counter() - begun
+        seconds[label] = clock.seconds()
     return runs, seconds
 
 

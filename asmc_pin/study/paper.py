@@ -6,8 +6,11 @@ only the ranges of their axes are used here.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import difflib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+
+from asmc_pin.errors import ExperimentError
 
 PPC, BSMC, EXISTING, PROPOSED = "PPC", "BSMC", "Existing", "Proposed"
 
@@ -95,3 +98,22 @@ PAPER: Mapping[str, Printed] = {
 
 NORM = (0.9869, 0.9886)
 """Range of ‖I − M⁻¹M̄‖₂ along the motion of the simulation."""
+
+RECONCILED = "_reconciled"
+NAMES = tuple(name + suffix for name in PAPER for suffix in ("", RECONCILED))
+"""The shipped experiments of the paper, as printed and as reconciled."""
+
+
+def known(names: Sequence[str] | None) -> list[str]:
+    """The names asked for, each once; all when none is given.
+
+    Raises:
+        ExperimentError: one is unknown.
+    """
+    wanted = list(names or NAMES)
+    for name in wanted:
+        if name not in NAMES:
+            near = difflib.get_close_matches(name, NAMES, n=1)
+            hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(NAMES)}"
+            raise ExperimentError("", f"'{name}' is no experiment of the paper; {hint}")
+    return list(dict.fromkeys(wanted))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import platform
 import sys
 from collections.abc import Mapping
@@ -34,7 +35,7 @@ PACKAGES = (
 def provenance(
     experiment: Experiment, arm: Arm, started: datetime, seconds: Mapping[str, float], folder: Path
 ) -> dict[str, Any]:
-    """Versions, hashes, seed and times of a run, ready for JSON.
+    """Versions, hashes, seed and times of a run, ready for JSON; nothing of the folders of whoever ran it.
 
     Args:
         experiment: As run.
@@ -46,10 +47,10 @@ def provenance(
     return {
         "experiment": {
             "name": experiment.name,
-            "folder": str(experiment.folder),
+            "folder": _way(experiment.folder, folder),
             "sha256": _digest(experiment.to_toml().encode()),
         },
-        "arm": {"name": arm.name, "urdf": str(arm.source), "sha256": arm.sha256},
+        "arm": {"name": arm.name, "urdf": arm.source.name, "sha256": arm.sha256},
         "seed": experiment.seed,
         "started": started.isoformat(timespec="seconds"),
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -63,6 +64,28 @@ def provenance(
             if path.is_file()
         },
     }
+
+
+def _way(there: Path, result: Path) -> str | None:
+    """The way from a result to the experiment's folder, where what they share is somebody's own; else None.
+
+    A result that moves together with its experiment finds it again; one that is sent away tells no stranger's folders.
+    """
+    there, result = there.resolve(), result.resolve()
+    try:
+        shared = Path(os.path.commonpath([there, result]))
+    except ValueError:  # on different drives
+        return None
+    if shared == Path(shared.anchor) or shared in _home().parents:
+        return None
+    return Path(os.path.relpath(there, result)).as_posix()
+
+
+def _home() -> Path:
+    try:
+        return Path.home().resolve()
+    except RuntimeError:
+        return Path()
 
 
 def _version(package: str) -> str | None:

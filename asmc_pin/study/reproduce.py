@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
 import json
-import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,8 +12,8 @@ import numpy as np
 
 from asmc_pin import results
 from asmc_pin.condition import lemma1_norm
-from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment import load_experiment
+from asmc_pin.files import whole_folder, write_whole
 from asmc_pin.report.reproduction import page, summary_lines
 from asmc_pin.report.reproduction_figures import draw_reproduction
 from asmc_pin.results import load_result
@@ -24,13 +22,11 @@ from asmc_pin.study.compare import Progress, compare
 from asmc_pin.study.comparison import Comparison
 from asmc_pin.study.limits import limits
 from asmc_pin.study.measure import measure, theorems
-from asmc_pin.study.paper import PAPER, PROPOSED
+from asmc_pin.study.paper import PAPER, PROPOSED, RECONCILED, known
 from asmc_pin.study.reading_search import factor, nearest, outcomes, reconciled
 from asmc_pin.study.readings import AXES, DEG, ERRORS, Outcome, readings
 from asmc_pin.study.tuned import COMMAND, SUFFIX, tune_rows, write_rows
 
-RECONCILED = "_reconciled"
-NAMES = tuple(name + suffix for name in PAPER for suffix in ("", RECONCILED))
 SETS = {
     "simulation": ("baek2016_simulation_smooth", "baek2016_simulation_step"),
     "experiment": ("baek2016_experiment",),
@@ -79,7 +75,7 @@ def reproduce(
     """Run the paper's experiments, as printed and as reconciled, and write the page that compares.
 
     Args:
-        names: Some of `NAMES`; all when omitted.
+        names: Some of `asmc_pin.study.paper.NAMES`; all when omitted.
         out: Folder of the page and the results.
         force: Whether results that are there already may be replaced.
         search: Whether to try other readings of units and gains, where `names` has all experiments that share them.
@@ -91,7 +87,7 @@ def reproduce(
         ExperimentError: a name is unknown.
         ResultError: something is there that may not be replaced.
     """
-    wanted = _known(names)
+    wanted = known(names)
     folder = Path(out)
     for name in wanted:
         results.check_target(folder / name, force)
@@ -124,16 +120,6 @@ def reproduce(
     _write(folder, data, docs)
     tell("done", 1.0)
     return Reproduction(folder, data)
-
-
-def _known(names: Sequence[str] | None) -> list[str]:
-    wanted = list(names or NAMES)
-    for name in wanted:
-        if name not in NAMES:
-            near = difflib.get_close_matches(name, NAMES, n=1)
-            hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(NAMES)}"
-            raise ExperimentError("", f"'{name}' is no experiment of the paper; {hint}")
-    return list(dict.fromkeys(wanted))
 
 
 def reading_of(name: str) -> dict[str, str]:
@@ -226,18 +212,18 @@ def _told(parts: Sequence[Outcome]) -> dict[str, Any]:
 def _write(folder: Path, data: dict[str, Any], docs: str | Path | None) -> None:
     """The page, its data and its figures; and a copy of them for the documentation."""
     figures = folder / "figures"
-    shutil.rmtree(figures, ignore_errors=True)
     loaded = {name: load_result(folder / name).dataset for name in data["experiments"]}
-    drawn = draw_reproduction(data, loaded, figures)
+    with whole_folder(figures) as made:
+        drawn = draw_reproduction(data, loaded, made)
     data["figures"] = drawn
     text = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    (folder / DATA).write_text(text, encoding="utf-8")
-    (folder / PAGE).write_text(page(data, "figures"), encoding="utf-8")
+    write_whole(folder / DATA, text)
+    write_whole(folder / PAGE, page(data, "figures"))
     if docs is None:
         return
     beside = Path(docs) / "reproduction"
     beside.mkdir(parents=True, exist_ok=True)
     for name in drawn:
-        shutil.copyfile(figures / f"{name}.png", beside / f"{name}.png")
-    (beside / DATA).write_text(text, encoding="utf-8")
-    (Path(docs) / PAGE).write_text(page(data, "reproduction"), encoding="utf-8")
+        write_whole(beside / f"{name}.png", (figures / f"{name}.png").read_bytes())
+    write_whole(beside / DATA, text)
+    write_whole(Path(docs) / PAGE, page(data, "reproduction"))

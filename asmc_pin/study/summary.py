@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from asmc_pin.media import for_markdown
 from asmc_pin.report.tables import markdown_table, metric_tables_markdown, tool_table
 from asmc_pin.report.theorems import theorems_markdown
 from asmc_pin.study.comparison import Comparison
@@ -12,16 +13,16 @@ def summary_markdown(comparison: Comparison) -> str:
     experiment, arm = comparison.experiment, comparison.arm
     table = comparison.overview()
     lines = [
-        f"# {experiment.name}",
+        f"# {for_markdown(experiment.name)}",
         "",
-        f"{comparison.about.title}, {arm.nv} joints, {experiment.duration:g} s, "
+        f"{for_markdown(comparison.about.title)}, {arm.nv} joints, {experiment.duration:g} s, "
         f"control period {1e3 * experiment.period:g} ms.",
         "",
-        *(f"- {line}" for line in comparison.notes),
-        *(f"- Warning: {line}" for line in comparison.warnings),
-        *(f"- URDF: {line}" for line in arm.warnings),
+        *(f"- {for_markdown(line)}" for line in comparison.notes),
+        *(f"- Warning: {for_markdown(line)}" for line in comparison.warnings),
+        *(f"- URDF: {for_markdown(line)}" for line in arm.warnings),
         "",
-        f"## {table.title}, worst error and chatter",
+        f"## {for_markdown(table.title)}, worst error and chatter",
         "",
         markdown_table(table),
         "",
@@ -33,5 +34,5 @@ def summary_markdown(comparison: Comparison) -> str:
         theorems_markdown(comparison.theorems.claims),
     ]
     for extra in (tool_table(comparison.rows), comparison.refinement and comparison.refinement.table()):
-        lines += ["", f"## {extra.title}", "", markdown_table(extra), ""] if extra else []
+        lines += ["", f"## {for_markdown(extra.title)}", "", markdown_table(extra), ""] if extra else []
     return "\n".join(lines)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from asmc_pin.experiment import Experiment, load_experiment
 from asmc_pin.experiment.toml import write_toml
+from asmc_pin.files import write_whole
 from asmc_pin.metrics import METRICS
 from asmc_pin.resources import shipped
 from asmc_pin.rollout import rollout
@@ -46,7 +47,7 @@ def write_rows(tuning: Tuning) -> Path:
     experiment = tuning.experiment
     path = shipped("experiments") / f"{experiment.name}.toml"
     text = _BLOCK.sub("\n", path.read_text(encoding="utf-8")).rstrip("\n") + "\n"
-    path.write_text(text + "\n" + block(tuning), encoding="utf-8")
+    write_whole(path, text + "\n" + block(tuning))
     load_experiment(path)  # that it can still be read
     return path
 

@@ -4,7 +4,7 @@ from asmc_pin.viewer.bodies import DrawnArm, draw
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.viewer.motion import Motion, describe
 from asmc_pin.viewer.page import player_scripts, replay_element, replay_page, static
-from asmc_pin.viewer.replay import replay_fragment, replay_html, write_page, write_replay
+from asmc_pin.viewer.replay import replay_fragment, replay_html, write_replay
 from asmc_pin.viewer.server import make_server, serve
 
 __all__ = [
@@ -21,6 +21,5 @@ __all__ = [
     "replay_page",
     "serve",
     "static",
-    "write_page",
     "write_replay",
 ]

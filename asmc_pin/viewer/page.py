@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from functools import cache
-from html import escape
 from importlib.resources import files
 from string import Template
 from typing import Any
+
+from asmc_pin.media import for_html
 
 POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
@@ -27,8 +28,8 @@ def replay_page(title: str, subtitle: str, replay: str) -> str:
     """
     return Template(static("page.html")).substitute(
         policy=POLICY,
-        title=escape(title),
-        subtitle=escape(subtitle),
+        title=for_html(title),
+        subtitle=for_html(subtitle),
         style=static("player.css"),
         replay=replay,
         scripts=player_scripts(),
@@ -43,7 +44,7 @@ def replay_element(description: Mapping[str, Any], notes: tuple[str, ...] = (), 
         notes: Lines to stand above the picture, as plain text.
         embedded: It stands in a longer page: it waits for the user, and takes keys and the wheel only with the focus.
     """
-    lines = "".join(f'<p class="replay-notes">{escape(note)}</p>\n' for note in notes)
+    lines = "".join(f'<p class="replay-notes">{for_html(note)}</p>\n' for note in notes)
     return (
         f'<div class="replay" data-embedded="{str(embedded).lower()}">\n{lines}'
         '<p class="replay-message" role="alert" hidden></p>\n<div class="replay-stage"></div>\n'

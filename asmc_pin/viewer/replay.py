@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from asmc_pin.errors import AsmcPinError, ResultError
+from asmc_pin.files import write_whole
 from asmc_pin.viewer.bodies import TRIANGLES, draw
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.viewer.motion import Motion, describe
@@ -87,19 +88,7 @@ def write_replay(result: Result, path: str | Path, *, trial: int = 0) -> None:
     Raises:
         ResultError: As `replay_html`; or the file cannot be written.
     """
-    write_page(replay_html(result, trial=trial), path)
-
-
-def write_page(html: str, path: str | Path) -> None:
-    """Write a page, with the same bytes on every system.
-
-    Raises:
-        ResultError: The file cannot be written.
-    """
-    try:
-        Path(path).write_text(html, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise ResultError(path, f"{path} cannot be written: {error.strerror or error}") from error
+    write_whole(path, replay_html(result, trial=trial))
 
 
 def _arm(result: Result) -> Arm:

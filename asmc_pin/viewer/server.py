@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import webbrowser
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -10,6 +11,15 @@ from pathlib import Path
 from asmc_pin.errors import ParameterError
 
 ADDRESS = "127.0.0.1"
+
+
+class _Server(ThreadingHTTPServer):
+    daemon_threads = True
+
+    def handle_error(self, request: object, client_address: object) -> None:
+        """A browser that leaves is no error; anything else ends its thread as an exception does."""
+        if not isinstance(sys.exception(), ConnectionError | TimeoutError):
+            raise
 
 
 def serve(directory: str | Path, port: int = 0, *, open_browser: bool = False) -> None:
@@ -59,8 +69,8 @@ def make_server(html: str, port: int = 0) -> ThreadingHTTPServer:
 
         def _answer(self, *, body: bool) -> None:
             # Another name in Host is a foreign page that had its name point here, to read what it should not.
-            host = self.headers.get("Host", "").rpartition(":")[0]
-            if host not in (ADDRESS, "localhost"):
+            host = self.headers.get("Host", "").partition(":")[0]  # without a port where it is 80
+            if host.lower() not in (ADDRESS, "localhost"):
                 self.send_error(HTTPStatus.FORBIDDEN, f"open http://{ADDRESS}:{self.server.server_port}/")  # type: ignore[attr-defined]
             elif self.path.partition("?")[0] != "/":
                 self.send_error(HTTPStatus.NOT_FOUND)
@@ -78,6 +88,6 @@ def make_server(html: str, port: int = 0) -> ThreadingHTTPServer:
             """Nothing: the terminal is the user's."""
 
     try:
-        return ThreadingHTTPServer((ADDRESS, port), Handler)
+        return _Server((ADDRESS, port), Handler)
     except OSError as error:
         raise ParameterError("port", f"{port} cannot be used ({error.strerror}); 0 takes a free one") from error

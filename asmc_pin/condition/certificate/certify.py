@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.clock import Clock
 from asmc_pin.condition.box import BoxLike
 from asmc_pin.condition.certificate.domain import domains
 from asmc_pin.condition.certificate.kernels_tree import LEAF
@@ -112,10 +113,11 @@ def certify(
     first = all_cases[0].domain.arm
     values = check_mbar(mbar, first.nv)
     get_ready()
-    began = time.monotonic()
+    clock, began = Clock(), time.monotonic()
     if where == "tube":
         samples, starts = max(256, samples // slices), max(4, starts // slices)
     worst = Worst(all_cases, values, condition, samples, starts, seed)
+    began += clock.compiling()  # the search compiles too, and the budget is not for that
     prover = Prover(all_cases, values, condition, worst, began=began, budget=budget, threads=threads, progress=progress)
     asked = 1.0 if level is None else level
     try:
@@ -152,7 +154,7 @@ def certify(
         refuted_index=worst.scale_case,
         boxes=int(sum(np.count_nonzero(proof.record == LEAF) for proof in counted)),
         tests=prover.tests + worst.evaluations,
-        seconds=time.monotonic() - began,
+        seconds=clock.seconds(),
         history=tuple(prover.history),
         reason=prover.reason,
         notes=_notes(all_cases[0]),

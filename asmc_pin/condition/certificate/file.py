@@ -21,6 +21,7 @@ from asmc_pin.condition.certificate.container import (
     numbers,
 )
 from asmc_pin.errors import ResultError
+from asmc_pin.files import write_whole
 
 if TYPE_CHECKING:
     from asmc_pin.condition.certificate.result import CertificateResult
@@ -76,9 +77,9 @@ def write(result: CertificateResult, path: str | Path) -> Path:
     np.savez_compressed(buffer, allow_pickle=False, **content)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_bytes(buffer.getvalue())
     except OSError as error:
         raise ResultError(target, f"cannot write the certificate {target}: {error.strerror}") from None
+    write_whole(target, buffer.getvalue())
     return target
 
 

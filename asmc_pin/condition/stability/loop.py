@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
+from asmc_pin.choices import Acceleration as Acceleration
 from asmc_pin.errors import ParameterError
-
-Acceleration = Literal["velocity", "position"]
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
+from asmc_pin.clock import Clock
 from asmc_pin.condition.box import BoxLike, asked_box
 from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.condition.premises import ends_of, premises_of
@@ -177,7 +177,7 @@ def stability(
         ParameterError: a value has a wrong size, sign, or is not finite.
         ArmError: the box is not finite.
     """
-    began = time.perf_counter()
+    clock = Clock()
     loop = loop_for(arm, mbar, ks, beta, period, acceleration=acceleration, filter_hz=filter_hz, delay=delay)
     friction = None if viscous is None else _viscous(viscous, arm.nv)
     workspace = workspace_of(arm, asked_box(arm, box), samples=samples, seed=seed, viscous=friction)
@@ -195,7 +195,7 @@ def stability(
         ratios=(low, high),
         limits=limits_of(workspace, loop, q) if limits else None,
         configurations=tried + more,
-        seconds=time.perf_counter() - began,
+        seconds=clock.seconds(),
     )
 
 

@@ -1,0 +1,12 @@
+"""The words that an option is chosen from, for the library and for the command line."""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+Condition: TypeAlias = Literal["lemma1", "weighted"]
+"""``lemma1``: ‖I − M⁻¹M̄‖₂ < 1. ``weighted``: M̄ ≺ 2M, that is max|1 − λ(M⁻¹M̄)| < 1."""
+
+Objective: TypeAlias = Literal["contraction", "bandwidth"]
+Form: TypeAlias = Literal["diagonal", "scalar"]
+Acceleration: TypeAlias = Literal["velocity", "position"]
