@@ -1,7 +1,8 @@
 """No certificate is ever contradicted: what is proven is never more than what a search finds to be true.
 
 Each case asks for the strongest statement that is proven about one box of a random arm, so that a bound that is wrong
-by a hair somewhere shows as a proof of something false. `make soundness` runs thousands; a few run always.
+by a hair somewhere shows as a proof of something false. `make soundness` runs thousands, `make test-all` every third
+block of them; a few run always.
 """
 
 from __future__ import annotations
@@ -28,6 +29,11 @@ KINDS: tuple[Kind, ...] = ("weighted", "bounded", "lemma1", "level")
 FEW, MANY = 12, 900
 ABOVE = 1.0 + 1e-8
 """The search's own last digits."""
+
+
+def blocks(count: int) -> list[object]:
+    """Numbers of blocks of cases, every third of which also `make test-all` runs."""
+    return [pytest.param(k, marks=[pytest.mark.long] if k % 3 == 0 else []) for k in range(count)]
 
 
 def checker_proves(asked: Question, x: float) -> bool:
@@ -127,7 +133,7 @@ def contradict(condition: str, seed: int, folder: Path) -> None:
 
 
 @pytest.mark.soundness
-@pytest.mark.parametrize("block", range(30))
+@pytest.mark.parametrize("block", blocks(30))
 @pytest.mark.parametrize("kind", KINDS)
 def test_thousands_of_boxes_are_never_proven_beyond_what_search_finds(kind: Kind, block: int) -> None:
     each = MANY // 30
@@ -135,14 +141,14 @@ def test_thousands_of_boxes_are_never_proven_beyond_what_search_finds(kind: Kind
 
 
 @pytest.mark.soundness
-@pytest.mark.parametrize("block", range(10))
+@pytest.mark.parametrize("block", blocks(10))
 @pytest.mark.parametrize("kind", KINDS)
 def test_hundreds_of_boxes_are_never_proven_beyond_that_by_the_checker(kind: Kind, block: int) -> None:
     assert max(most_proven(range(9000 + 30 * block, 9030 + 30 * block), kind, checker_proves)) <= ABOVE
 
 
 @pytest.mark.soundness
-@pytest.mark.parametrize("block", range(10))
+@pytest.mark.parametrize("block", blocks(10))
 @pytest.mark.parametrize("condition", CONDITIONS)
 def test_hundreds_of_certificates_are_never_contradicted(condition: str, block: int, tmp_path: Path) -> None:
     for seed in range(100 + 20 * block, 120 + 20 * block):
