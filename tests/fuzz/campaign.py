@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from fuzz import corpus, generate_toml, generate_urdf, mutate_certificate, mutate_result, truth
 from fuzz.judge import Fault, faults
 from fuzz.run import command
@@ -46,7 +47,7 @@ def undrawn() -> None:
     """Compare without figures and page."""
     module = sys.modules["asmc_pin.study.compare"]
     assert hasattr(module, "draw_figures")
-    module.draw_figures = lambda *_, **__: []  # type: ignore[attr-defined]
+    module.draw_figures = lambda *_, **__: []
     import asmc_pin.report.html as page
 
     page.report_html = lambda *_, **__: None

@@ -60,16 +60,16 @@ kd = 10.0
 }
 
 
-def run(*words: str, verdicts: tuple[int, ...] = (0,)) -> None:
-    """Run the command line in this process; it must end with one of these statuses."""
+def run(command: str, *words: object, verdicts: tuple[int, ...] = (0,)) -> None:
+    """Run the command line in this process, all words of a command and some more; it must end with such a status."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:
-            main(list(words))
+            main([*command.split(), *map(str, words)])
         except SystemExit as end:
             ended = end.code
     if ended not in verdicts:
-        raise RuntimeError(f"asmc-pin {' '.join(words)} ended with {ended}: {err.getvalue()}")
+        raise RuntimeError(f"asmc-pin {command} {words} ended with {ended}: {err.getvalue()}")
 
 
 def urdfs(folder: Path) -> list[bytes]:
@@ -80,13 +80,13 @@ def urdfs(folder: Path) -> list[bytes]:
     found += [two_joints().encode(), *(load_arm(name).urdf_text.encode() for name in ("so100", "kinova"))]
     (folder / "a.urdf").write_bytes(found[0])
     (folder / "b.urdf").write_text(two_joints(), encoding="utf-8")
-    for name in ("a.urdf", "b.urdf"):
-        run("verify", str(folder / name), "--mbar", "1e-3", "--samples", "64", "--json")
-        run("verify", str(folder / name), "--mbar", "1e-3", "--samples", "64", "--condition", "weighted")
-        run("agree", str(folder / name))
-        run("stability", str(folder / name), *"--mbar 0.01 --ks 10 --beta 10 --period 0.001".split(), verdicts=(0, 1))
-    run("verify", str(folder / "b.urdf"), *"--mbar 1e-3 --certify --budget 5 --gap 0.5".split())
-    run("design", str(folder / "b.urdf"))
+    for path in (folder / "a.urdf", folder / "b.urdf"):
+        run("verify --mbar 1e-3 --samples 64 --json", path)
+        run("verify --mbar 1e-3 --samples 64 --condition weighted", path)
+        run("agree", path)
+        run("stability --mbar 0.01 --ks 10 --beta 10 --period 0.001", path, verdicts=(0, 1))
+    run("verify --mbar 1e-3 --certify --budget 5 --gap 0.5", path)
+    run("design", path)
     return found
 
 
@@ -110,11 +110,11 @@ def certificates(folder: Path) -> list[bytes]:
         f"{arm} --certify --gap 0.3 --budget 20 --mbar 0.001 --payload 0.5",
     ]
     for k, words in enumerate(proofs):
-        run("verify", *words.split(), "--samples", "256", "--certificate", str(folder / f"{k}.cert"))
+        run(f"verify {words} --samples 256 --certificate", folder / f"{k}.cert")
     violated = "two_link --certify --gap 0.1 --budget 20 --condition weighted --mbar 5 --samples 256"
-    run("verify", *violated.split(), "--certificate", str(folder / "violated.cert"), verdicts=(1,))
+    run(f"verify {violated} --certificate", folder / "violated.cert", verdicts=(1,))
     for k in range(len(proofs)):
-        run("check", str(folder / f"{k}.cert"), "--json")
+        run("check --json", folder / f"{k}.cert")
     return [path.read_bytes() for path in [*sorted(HERE.glob("*.cert")), *sorted(folder.glob("*.cert"))]]
 
 
@@ -123,9 +123,9 @@ def results(folder: Path) -> list[Path]:
     made = []
     for name, text in TINY_EXPERIMENTS.items():
         (folder / f"{name}.toml").write_text(text, encoding="utf-8")
-        run("compare", str(folder / f"{name}.toml"), "--out", str(folder / name))
-        run("view", str(folder / name), "--html", str(folder / "page.html"))
-        run("verify", "two_link", "--mbar", "0.01", "--along", str(folder / f"{name}.toml"), "--json")
+        run("compare", folder / f"{name}.toml", "--out", folder / name)
+        run("view", folder / name, "--html", folder / "page.html")
+        run("verify two_link --mbar 0.01 --json --along", folder / f"{name}.toml")
         shutil.rmtree(folder / name / "figures")
         made.append(folder / name)
     return made

@@ -1,4 +1,4 @@
-"""Experiments: shipped and small ones, shortened to some ticks, with a few things in them that are not as they should be."""
+"""Experiments: shipped and small ones, shortened to some ticks, with a few things in them that are wrong."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from fuzz.generate_urdf import sound, text
-from fuzz.hostile import Rng, chance, mutate_bytes, mutate_tree, name, pick, slots, value
+from fuzz.hostile import Rng, chance, mutate_bytes, mutate_tree, name, pick, scale_number, slots, value
 
 MOST_TICKS = 100
 TABLES: dict[str, list[dict[str, Any]]] = {
@@ -42,16 +42,14 @@ LAWS: list[dict[str, Any]] = [
     {"law": "baek2016", "phi": 800.0, "alpha": 0.03, "epsilon": 0.01},
     {"law": "computed_torque"},
     {"law": "pd_gravity", "kp": 100.0, "kd": 10.0},
-    {"law": "nowhere:Law"},
-    {"law": "canary:Law"},
 ]
+STRANGERS: list[dict[str, Any]] = [{"law": "nowhere:Law"}, {"law": "canary:Law"}, {"law": "canary:None"}]
 REFERENCES: list[dict[str, Any]] = [
     {"kind": "multisine", "offset": [0.3, 0.2], "amplitude": [[0.2], [0.2]], "frequency": [[0.5], [0.5]]},
     {"kind": "quintic", "start": [0.1, 0.2], "targets": [[0.12, 0.15]], "move": 0.05},
     {"kind": "ramps", "points": [[0.0, 0.1], [0.2, 0.3]], "times": [0.0, 0.02]},
     {"kind": "fourier", "offset": [0.0, 0.1], "a": [[0.1], [0.1]], "b": [[0.0], [0.1]], "base_hz": 0.5},
     {"kind": "csv", "path": "motion.csv"},
-    {"kind": "cartesian", "start": [0.1, 0.5], "link": "link_2", "points": [[0.1, 0.0, 0.1]], "move": 0.05},
 ]
 CSVS = (
     "t,q1,q2\n0,0,0.1\n0.01,0.01,0.1\n0.02,0.02,0.1\n0.05,0.05,0.1\n",
@@ -59,9 +57,14 @@ CSVS = (
 )
 
 
+def law(rng: Rng) -> dict[str, Any]:
+    """A law of the package, or one of a stranger's now and then."""
+    return copy.deepcopy(pick(rng, STRANGERS if chance(rng, 0.06) else LAWS))
+
+
 def small(rng: Rng) -> dict[str, Any]:
     """An experiment on the two-link arm with a reference, laws and parts of the plant that chance picks."""
-    plant: dict[str, Any] = {"substeps": int(rng.integers(1, 4))}
+    plant: dict[str, Any] = {"substeps": int(rng.integers(1, 4)), "effort_limit": 50.0}
     for key, tables in TABLES.items():
         if chance(rng, 0.2):
             plant[key] = copy.deepcopy(pick(rng, tables))
@@ -79,7 +82,7 @@ def small(rng: Rng) -> dict[str, Any]:
         "plant": plant,
         "reference": copy.deepcopy(pick(rng, REFERENCES)),
         "defaults": {"mbar": [0.01, 0.01], "ks": 5.0, "beta": 5.0},
-        "controllers": {label: copy.deepcopy(pick(rng, LAWS)) for label in labels},
+        "controllers": {label: law(rng) for label in labels},
     }
 
 
@@ -129,33 +132,31 @@ def toml(tree: dict[str, Any]) -> str:
 
 def experiment(rng: Rng, corpus: list[bytes]) -> bytes:
     """One file."""
-    if chance(rng, 0.15):
-        tree = tomllib.loads(pick(rng, corpus).decode())
-    else:
-        tree = small(rng)
+    tree = tomllib.loads(pick(rng, corpus).decode()) if chance(rng, 0.1) else small(rng)
     if chance(rng, 0.08) and isinstance(tree.get("arm"), str):
         tree["arm"] = "stranger.urdf"
-    for _ in range(int(rng.choice([0, 1, 1, 1, 2, 3, 5]))):
-        how = int(rng.integers(6))
+    for _ in range(int(rng.choice([0, 0, 1, 1, 1, 2, 4]))):
+        how = int(rng.integers(7))
         if how <= 3:
-            mutate_tree(rng, tree)
+            scale_number(rng, tree)
         elif how == 4:
+            mutate_tree(rng, tree)
+        elif how == 5:
             table = pick(rng, [t for t, _ in slots(tree) if isinstance(t, dict)] or [tree])
-            table[name(rng) if chance(rng, 0.5) else pick(rng, ["drive", "lock", "seed", "payload", "tool"])] = value(rng)
+            table[name(rng) if chance(rng, 0.5) else pick(rng, ["drive", "lock", "seed", "payload", "tool"])] = value(
+                rng
+            )
         elif isinstance(tree.get("controllers"), dict):
-            tree["controllers"][name(rng)] = copy.deepcopy(pick(rng, LAWS))
+            tree["controllers"][name(rng)] = law(rng)
     shorten(tree)
-    made = toml(tree).encode("utf-8", errors="surrogatepass")
+    made = toml(tree).encode("utf-8", errors="surrogatepass" if chance(rng, 0.2) else "replace")
     return mutate_bytes(rng, made, pick(rng, corpus)) if chance(rng, 0.1) else made
 
 
+_LAW = "class Law:\n    def init(self, sample): return 0\n    def step(self, state, sample, setpoint): return "
 CANARIES = (
-    "",
-    "raise SystemExit(5)",
-    "raise KeyError('none')",
-    "class Law:\n    def init(self, sample): return 0\n    def step(self, state, sample, setpoint): return 0 * sample.q, 0",
-    "class Law:\n    def init(self, sample): return 0\n    def step(self, state, sample, setpoint): return 1 / 0, 0",
-    "class Law:\n    def init(self, sample): return 0\n    def step(self, state, sample, setpoint): return 'no', 0",
+    *("", "raise SystemExit(5)", "raise KeyError('none')"),
+    *(f"{_LAW}{torque}, 0" for torque in ("0 * sample.q", "1 / 0", "'no'", "float('nan') * sample.q")),
 )
 
 
@@ -188,7 +189,7 @@ def make(rng: Rng, folder: Path, corpus: list[bytes]) -> list[str]:
         what = "motion.csv" if chance(rng, 0.3) else "x.toml"
         words = ["verify", arm, "--mbar", "0.01", "--along", what]
     else:
-        words = ["compare", "x.toml", "--out", str(pick(rng, ["made", "made", "made/deep", "x.toml", "."]))]
+        words = ["compare", "x.toml", "--out", str(pick(rng, ["x.toml", "."])) if chance(rng, 0.02) else "deep/made"]
         words += ["--force"] if chance(rng, 0.2) else []
         words += ["--refine"] if chance(rng, 0.05) else []
     return [*words, *(["--json"] if chance(rng, 0.6) else [])]

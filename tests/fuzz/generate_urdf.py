@@ -7,6 +7,7 @@ from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
+
 from fuzz.hostile import INJECTED, Rng, chance, mutate_bytes, name, number, pick
 
 Element = list  # [tag, attributes, children]: unlike a parser's own, it can hold what no parser takes
@@ -201,7 +202,9 @@ def urdf(rng: Rng, corpus: Sequence[bytes]) -> bytes:
     """One file: generated in four of five, else one of the corpus with some bytes changed."""
     if chance(rng, 0.2):
         return mutate_bytes(rng, pick(rng, corpus), pick(rng, corpus))
-    most = 400 if chance(rng, 0.003) else 40 if chance(rng, 0.01) else int(rng.choice([0, 1, 1, 2, 2, 2, 3, 3, 4, 6, 7]))
+    most = (
+        400 if chance(rng, 0.003) else 40 if chance(rng, 0.01) else int(rng.choice([0, 1, 1, 2, 2, 2, 3, 3, 4, 6, 7]))
+    )
     root = sound(rng, most)
     for _ in range(int(rng.choice([0, 0, 1, 1, 1, 2, 4]))):
         disturb(rng, root)

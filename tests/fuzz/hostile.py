@@ -145,6 +145,18 @@ def slots(tree: Any) -> Iterator[tuple[Any, Any]]:
             waiting.append(at[key])
 
 
+FACTORS = (-1.0, 0.0, 1e-6, 0.5, 0.9, 1.0 + 1e-12, 1.001, 1.1, 2.0, 10.0, 1e3, 1e9)
+
+
+def scale_number(rng: Rng, tree: Any) -> None:
+    """Multiply one number of nested data, in place."""
+    numbers = [(h, k) for h, k in slots(tree) if isinstance(h[k], int | float) and not isinstance(h[k], bool)]
+    if numbers:
+        holder, key = pick(rng, numbers)
+        made = holder[key] * float(pick(rng, FACTORS))
+        holder[key] = made if isinstance(holder[key], float) or not np.isfinite(made) else int(made)
+
+
 def mutate_tree(rng: Rng, tree: Any, other: Any = None) -> None:
     """One change to nested lists and dictionaries, in place."""
     places = list(slots(tree))
@@ -156,9 +168,8 @@ def mutate_tree(rng: Rng, tree: Any, other: Any = None) -> None:
         holder[key] = value(rng)
     elif how == 3:
         del holder[key]
-    elif how == 4 and isinstance(holder[key], int | float) and not isinstance(holder[key], bool):
-        factor = rng.choice([-1.0, 0.0, 0.5, 1.0 + 1e-9, 1.01, 2.0, 10.0, 1e6])
-        holder[key] = holder[key] * (float(factor) if isinstance(holder[key], float) else int(factor))
+    elif how == 4:
+        scale_number(rng, tree)
     elif how == 5:
         there, from_key = pick(rng, places)
         holder[key] = copy.deepcopy(there[from_key])

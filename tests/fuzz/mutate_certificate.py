@@ -12,7 +12,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fuzz.hostile import NUMBERS, Rng, chance, mutate_bytes, mutate_tree, name, pick, slots, value
+
+from fuzz.hostile import (
+    FACTORS,
+    NUMBERS,
+    Rng,
+    chance,
+    mutate_bytes,
+    mutate_tree,
+    name,
+    pick,
+    scale_number,
+    slots,
+    value,
+)
 
 FOREIGN = (b"", b"PK\x03\x04", b"\x93NUMPY\x01\x00", b"not at all", b"{}", b"PK\x05\x06" + bytes(18), b"\x1f\x8b\x08")
 
@@ -67,16 +80,13 @@ def change(rng: Rng, made: Parts, other: Parts) -> None:
             holder[key] = pick(
                 rng,
                 [
-                    (old * float(rng.choice([-1, 0, 0.5, 0.9, 1.0 + 1e-12, 1.001, 1.1, 2, 1e3]))).hex(),
+                    (old * float(pick(rng, FACTORS))).hex(),
                     float(pick(rng, ["nan", "inf", "-inf", "5e-324", "1e300", "0", "1"])).hex(),
                     name(rng),
                 ],
             )
     elif how == 5:
-        figures = [(h, k) for h, k in slots(made.header) if isinstance(h[k], float)]
-        if figures:
-            holder, key = pick(rng, figures)
-            holder[key] *= float(rng.choice([-1, 0.5, 0.9, 0.999, 1.001, 1.1, 2, np.nan, np.inf]))
+        scale_number(rng, made.header)
     elif how == 6:
         key = pick(rng, sorted({**made.header, **other.header}))
         if key in other.header:

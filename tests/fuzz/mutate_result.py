@@ -12,6 +12,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pandas as pd
+
 from fuzz import generate_toml
 from fuzz.hostile import Rng, chance, mutate_bytes, mutate_tree, name, pick, value
 
