@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from certificate_cases import Question, largest_proven, norms, proven_in_one_box, question
+from certificate_cases import Question, blocks, largest_proven, norms, proven_in_one_box, question
 from condition_cases import chain
 
 from asmc_pin._typing import Array
@@ -29,11 +29,6 @@ KINDS: tuple[Kind, ...] = ("weighted", "bounded", "lemma1", "level")
 FEW, MANY = 12, 900
 ABOVE = 1.0 + 1e-8
 """The search's own last digits."""
-
-
-def blocks(count: int) -> list[object]:
-    """Numbers of blocks of cases, every third of which also `make test-all` runs."""
-    return [pytest.param(k, marks=[pytest.mark.long] if k % 3 == 0 else []) for k in range(count)]
 
 
 def checker_proves(asked: Question, x: float) -> bool:
@@ -133,7 +128,7 @@ def contradict(condition: str, seed: int, folder: Path) -> None:
 
 
 @pytest.mark.soundness
-@pytest.mark.parametrize("block", blocks(30))
+@pytest.mark.parametrize("block", blocks(range(30)))
 @pytest.mark.parametrize("kind", KINDS)
 def test_thousands_of_boxes_are_never_proven_beyond_what_search_finds(kind: Kind, block: int) -> None:
     each = MANY // 30
@@ -141,14 +136,14 @@ def test_thousands_of_boxes_are_never_proven_beyond_what_search_finds(kind: Kind
 
 
 @pytest.mark.soundness
-@pytest.mark.parametrize("block", blocks(10))
+@pytest.mark.parametrize("block", blocks(range(10)))
 @pytest.mark.parametrize("kind", KINDS)
 def test_hundreds_of_boxes_are_never_proven_beyond_that_by_the_checker(kind: Kind, block: int) -> None:
     assert max(most_proven(range(9000 + 30 * block, 9030 + 30 * block), kind, checker_proves)) <= ABOVE
 
 
 @pytest.mark.soundness
-@pytest.mark.parametrize("block", blocks(10))
+@pytest.mark.parametrize("block", blocks(range(10)))
 @pytest.mark.parametrize("condition", CONDITIONS)
 def test_hundreds_of_certificates_are_never_contradicted(condition: str, block: int, tmp_path: Path) -> None:
     for seed in range(100 + 20 * block, 120 + 20 * block):

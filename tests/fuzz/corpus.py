@@ -15,8 +15,6 @@ from arm_urdf import two_joints
 from asmc_pin.cli import main
 from asmc_pin.resources import shipped
 
-HERE = Path(__file__).parent
-
 TINY_EXPERIMENTS = {
     "first": """
 name = "first"
@@ -97,7 +95,7 @@ def experiments(folder: Path) -> list[bytes]:
 
 
 def certificates(folder: Path) -> list[bytes]:
-    """Small proofs of every sort: both conditions, ranges, choices, sliding joints, a counter-example alone."""
+    """Small proofs of every sort: both conditions, ranges, choices, slides, a tube, a counter-example alone."""
     from condition_cases import chain
 
     sliding = chain(folder, 4, 2, prismatic=True)
@@ -113,9 +111,11 @@ def certificates(folder: Path) -> list[bytes]:
         run(f"verify {words} --samples 256 --certificate", folder / f"{k}.cert")
     violated = "two_link --certify --gap 0.1 --budget 20 --condition weighted --mbar 5 --samples 256"
     run(f"verify {violated} --certificate", folder / "violated.cert", verdicts=(1,))
-    for k in range(len(proofs)):
-        run("check --json", folder / f"{k}.cert")
-    return [path.read_bytes() for path in [*sorted(HERE.glob("*.cert")), *sorted(folder.glob("*.cert"))]]
+    (folder / "motion.toml").write_text(TINY_EXPERIMENTS["first"], encoding="utf-8")
+    run(f"verify {light} --mbar 0.01 --tube 0.05 --along motion.toml --certificate tube.cert")
+    for path in sorted(folder.glob("*.cert")):
+        run("check --json", path, verdicts=(0, 1))
+    return [path.read_bytes() for path in sorted(folder.glob("*.cert"))]
 
 
 def results(folder: Path) -> list[Path]:

@@ -53,7 +53,7 @@ def command(
     Args:
         words: Arguments.
         scratch: Folder with a folder ``work``, which becomes the working directory.
-        before: Called in the fork, first of all.
+        before: Called in the fork within the limits; what it raises counts as the command's.
         after: Called in the fork with the status and the standard output; what it returns becomes `claims`.
     """
     files = {what: scratch / what for what in ("out", "err", "trace", "claims")}
@@ -62,9 +62,7 @@ def command(
     child = os.fork()
     if child == 0:
         try:
-            if before is not None:
-                before()
-            _work(words, scratch, files, after)
+            _work(words, scratch, files, before, after)
         finally:
             os._exit(99)
     code, used = _wait(child)
@@ -95,7 +93,11 @@ def _wait(child: int) -> tuple[int, resource.struct_rusage]:
 
 
 def _work(
-    words: list[str], scratch: Path, files: dict[str, Path], after: Callable[[int, str], list[str]] | None
+    words: list[str],
+    scratch: Path,
+    files: dict[str, Path],
+    before: Callable[[], None] | None,
+    after: Callable[[int, str], list[str]] | None,
 ) -> None:
     (scratch / "tmp").mkdir(exist_ok=True)
     os.environ["TMPDIR"] = str(scratch / "tmp")
@@ -111,11 +113,14 @@ def _work(
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     if (pages := _pages()) is not None:
         resource.setrlimit(resource.RLIMIT_AS, (pages + MEMORY, resource.RLIM_INFINITY))
+    faulthandler.enable(file=trace, all_threads=False)
     faulthandler.register(signal.SIGXCPU, file=trace, all_threads=False, chain=True)
     from asmc_pin.cli import main
 
     status: object = 0
     try:
+        if before is not None:
+            before()
         main(words)
     except SystemExit as end:
         status = end.code
