@@ -3,15 +3,23 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 PYTEST_ARGS ?= -n 2 --dist loadgroup
+FUZZ_COUNT ?= 10000
+FUZZ_SEED ?= 0
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: demo test lint typecheck soundness bench docs clean
+.PHONY: demo test test-all fuzz lint typecheck soundness bench docs clean
 
 demo: $(VENV)/.runtime  ## verify, compare and report on a UR5; results/demo/report.html
 	$(BIN)/asmc-pin demo
 
-test: $(VENV)/.dev  ## all tests
+test: $(VENV)/.dev  ## all tests but the long ones; some minutes
 	$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+test-all: test  ## these, and then the long ones; some half an hour more
+	$(BIN)/python -m pytest -m long $(PYTEST_ARGS)
+
+fuzz: $(VENV)/.dev  ## FUZZ_COUNT hostile files of each kind through the command line; some hours
+	PYTHONPATH=tests $(BIN)/python -m fuzz --count $(FUZZ_COUNT) --seed $(FUZZ_SEED)
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff format --check .

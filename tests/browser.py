@@ -5,8 +5,6 @@ from __future__ import annotations
 import base64
 import io
 import json
-import os
-import shutil
 import subprocess
 import tempfile
 from collections.abc import Iterator
@@ -15,8 +13,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+import needs
 import numpy as np
-import pytest
 import websocket
 from PIL import Image
 
@@ -34,16 +32,6 @@ _FLAGS = (
     "--remote-debugging-port=0",
     "--remote-allow-origins=*",
 )
-
-
-def chromium() -> str:
-    """The browser's path. Without one the test is skipped; in CI it fails, so that it cannot be lost unseen."""
-    found = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if found is None:
-        if os.environ.get("CI"):
-            pytest.fail("chromium is not installed, and CI must run the browser tests")
-        pytest.skip("needs chromium")
-    return found
 
 
 class Page:
@@ -122,7 +110,7 @@ class Browser:
     def __init__(self) -> None:
         self._profile = tempfile.TemporaryDirectory(prefix="asmc-chromium-", ignore_cleanup_errors=True)
         self._process = subprocess.Popen(
-            [chromium(), *_FLAGS, f"--user-data-dir={self._profile.name}", "about:blank"],
+            [needs.program("browser"), *_FLAGS, f"--user-data-dir={self._profile.name}", "about:blank"],
             stderr=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
             text=True,

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
 from asmc_pin import load_arm
@@ -20,6 +22,11 @@ from asmc_pin.condition.certificate.problem import Kind, Statement, problem_of
 
 UR5_WEIGHTED = (0.2978, 0.514, 0.1109, 0.0546, 0.0313, 0.0022)
 """Near the best M̄ of the bare UR5 under the weighted condition; a violation at 1.033 times it is known."""
+
+
+def blocks(numbers: range) -> list[Any]:
+    """Numbers of blocks of cases for `make soundness`, every third of which `make test-all` runs too."""
+    return [pytest.param(k, marks=[pytest.mark.long] if k % 3 == 0 else []) for k in numbers]
 
 
 @cache

@@ -36,7 +36,7 @@ def untruths(path: Path, said: Mapping[str, Any], folder: Path) -> list[str]:
     ends = [end for value in said["armature"] for end in (value if isinstance(value, list) else [value])]
     if max(ends) > LARGEST:
         return []
-    arms = list(_arms(urdf, said))
+    arms = list(arms_of(urdf, said))
     if any(list(arm.joint_names) != said["joints"] for arm in arms):
         return ["the joints are others"]
     rng = np.random.default_rng(0)
@@ -69,7 +69,7 @@ def untruths(path: Path, said: Mapping[str, Any], folder: Path) -> list[str]:
     return found
 
 
-def _arms(urdf: Path, said: Mapping[str, Any]) -> Any:
+def arms_of(urdf: Path, said: Mapping[str, Any]) -> Any:
     """The arms that the hypotheses name: every lock, both ends of the payload, both ends of the armature."""
     names = list(said["locked"])
     angles = [value if isinstance(value, list) else [value] for value in said["locked"].values()]

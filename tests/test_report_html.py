@@ -148,7 +148,6 @@ def page(request: pytest.FixtureRequest, browser: Browser, result: Result) -> It
         yield page
 
 
-@pytest.mark.browser
 def test_it_opens_without_a_word_or_a_request_and_fits_the_window(page: Page) -> None:
     assert page.messages == []
     assert [address for address in page.requests if not address.startswith("data:")] == page.requests[:1]
@@ -157,7 +156,6 @@ def test_it_opens_without_a_word_or_a_request_and_fits_the_window(page: Page) ->
     assert page.run("document.scrollingElement.scrollWidth <= innerWidth"), "wide tables scroll by themselves"
 
 
-@pytest.mark.browser
 def test_space_scrolls_the_page_until_the_replay_has_the_focus(page: Page) -> None:
     page.run("document.activeElement.blur()")
     page.key(" ", "Space")

@@ -13,8 +13,6 @@ from viewer_cases import HOSTILE, bent_arm, swing, swung
 from asmc_pin.arms import load_arm
 from asmc_pin.viewer import draw, replay_element, replay_page
 
-pytestmark = pytest.mark.browser
-
 TICK = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
