@@ -30,7 +30,9 @@ def for_cell(text: str) -> str:
 
 
 def _inline(text: str) -> str:
-    text = re.sub(r"([\\`*~$])", r"\\\1", visible(text))
+    text = re.sub(r"([\\`~$])", r"\\\1", visible(text))
+    if text.count("*") > 1 or text.startswith("*") or text.endswith("*"):  # one alone within a line is a star
+        text = text.replace("*", r"\*")
     # An underscore within a word is one, and so is a single one; brackets make a link only in pairs; "a < b" is no tag.
     if _OPENING_UNDERSCORE.search(text) and len(_OUTER_UNDERSCORE.findall(text)) > 1:
         text = _OUTER_UNDERSCORE.sub(r"\_", text)

@@ -70,7 +70,9 @@ def test_a_cell_shows_a_name_as_it_is_and_stays_one_cell(name):
         assert {child.type for child in cell} <= {"text", "text_special"}
 
 
-@pytest.mark.parametrize("name", ["‖I − M⁻¹M̄‖₂ < 1 [rad/s²]", "shoulder_pan_joint", "a_b: 1 > 0, q̈_d + K_s", "-0.5"])
+@pytest.mark.parametrize(
+    "name", ["‖I − M⁻¹M̄‖₂ < 1 [rad/s²]", "shoulder_pan_joint", "a_b: 1 > 0, q̈_d + K_s", "-0.5", "Γ* is"]
+)
 def test_markdown_leaves_alone_what_means_nothing_in_it(name):
     assert for_markdown(name) == name
 

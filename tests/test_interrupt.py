@@ -46,13 +46,13 @@ def test_ctrl_c_while_python_imports_is_130(number):
     assert done.stderr.splitlines()[-1] == MESSAGE
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("number", moments(40, seed=2))
 def test_ctrl_c_at_many_moments_of_the_imports_is_130(number):
     test_ctrl_c_while_python_imports_is_130(number)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("share", [0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0, 1.05])
 def test_ctrl_c_at_any_time_is_130_or_too_late(share):
     began = time.monotonic()

@@ -261,7 +261,7 @@ def test_no_clock_counts_what_the_compiler_takes_and_it_is_told_once():
     assert clock.seconds() < 0.5 * wall
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_first_run_says_that_it_compiles_and_the_second_has_no_need_to(tmp_path):
     cache = {"NUMBA_CACHE_DIR": str(tmp_path)}
     first, second = (run(*HOLDS, "--json", env=cache) for _ in range(2))

@@ -31,7 +31,7 @@ from asmc_pin.cli.options import (
 )
 from asmc_pin.errors import ParameterError
 from asmc_pin.files import check_readable, check_writable
-from asmc_pin.text import printable
+from asmc_pin.text import printable, visible
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -148,20 +148,20 @@ def prove(
 def print_verdict(report: ConditionReport) -> None:
     """Print a report of the condition for a person to read: what it is about first; angles in degrees too."""
     import numpy as np
-    from rich.table import Table
+    from rich.table import Column, Table
     from rich.text import Text
 
     console = rich_console()
 
-    def say(line: str, style: str = "") -> None:
-        console.print(Text(line, style), soft_wrap=True)  # plain: a name may hold what would be markup
+    def tell(line: str, style: str = "") -> None:
+        console.print(Text(visible(line), style), soft_wrap=True)
 
     style = {"holds": "bold green", "unrefuted": "bold green", "violated": "bold red"}.get(
         report.verdict, "bold yellow"
     )
     for line in report.hypotheses.lines():
-        say(line)
-    say(
+        tell(line)
+    tell(
         f"{report.hypotheses.title}: {report.verdict}  ({report.kind}, {report.configurations} configurations, "
         f"{report.seconds:.1f} s)",
         style,
@@ -169,34 +169,42 @@ def print_verdict(report: ConditionReport) -> None:
     largest = f"largest norm found {report.lower:.6g}"
     if report.worst_time is not None:
         largest += f", at t = {report.worst_time:.4g} s"
-    say(f"{largest}; smallest {report.smallest:.6g}")
+    tell(f"{largest}; smallest {report.smallest:.6g}")
     if report.scale_refuted is not None:
         proven = report.scale_proven or 0.0
         if report.scale_refuted > 0.0:
-            say(
+            tell(
                 f"proven for M̄ times {proven:.6g}, counter-example for M̄ times {report.scale_refuted:.6g} "
                 f"(gap {1.0 - proven / report.scale_refuted:.2%})"
             )
         else:
-            say("there are counter-examples for every positive multiple of M̄")
+            tell("there are counter-examples for every positive multiple of M̄")
     if report.upper is not None:
-        say(
+        tell(
             f"the norm is proven to be at most {report.upper:.6g} over the box"
             if report.upper < 1.0
             else "the norm is proven to be below 1 over the box"
         )
     if report.worst_case:
-        say(f"worst case: {report.worst_case}")
+        tell(f"worst case: {report.worst_case}")
     unit = "rad or m" if any(report.hypotheses.slides) else "rad"
-    table = Table("joint", "m̄ kg·m²", "armature there", f"worst q {unit}", "deg", box=None, pad_edge=False)
+    table = Table(
+        Column("joint", overflow="fold"),
+        "m̄ kg·m²",
+        "armature there",
+        f"worst q {unit}",
+        "deg",
+        box=None,
+        pad_edge=False,
+    )
     figures = (report.joints, report.hypotheses.slides, report.mbar, report.worst_armature, report.worst_q)
     for name, slides, m, armature, q in zip(*figures, strict=True):
         table.add_row(
-            Text(printable(name)), f"{m:.6g}", f"{armature:.6g}", f"{q:+.6f}", "" if slides else f"{np.degrees(q):+.2f}"
+            printable(name), f"{m:.6g}", f"{armature:.6g}", f"{q:+.6f}", "" if slides else f"{np.degrees(q):+.2f}"
         )
     console.print(table)
     for line in report.notes:
-        say(f"note: {line}")
+        tell(f"note: {line}")
 
 
 def _print_tde_error(along: Any, arm: Arm, mbar: float | list[float]) -> None:
