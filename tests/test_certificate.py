@@ -93,7 +93,7 @@ def test_what_it_says_is_right_whenever_it_stops(ur5: Arm) -> None:
     short = certify(load_arm("panda"), UR5_MBAR[0], gap=1e-4, budget=1e-3)
     assert short.verdict in ("violated", "undecided")
     assert short.scale_proven < short.scale_refuted
-    assert short.seconds < 20.0
+    assert short.reason == "out of time"
 
 
 def test_one_thread_and_two_prove_the_same(ur5: Arm) -> None:
