@@ -8,9 +8,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from asmc_pin.text import message_text
+
 
 class AsmcPinError(Exception):
-    """Root of every error that a user of the package can mend."""
+    """Root of every error that a user of the package can mend.
+
+    Its message often quotes what a stranger wrote, so control characters in it are escaped, all but line breaks.
+    """
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(message_text(message))
 
 
 class ParameterError(AsmcPinError, ValueError):

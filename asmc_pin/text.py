@@ -6,7 +6,7 @@ import re
 import unicodedata
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 
-_LONGEST = 200
+_LONGEST, _LONGEST_LINE, _MOST_LINES = 200, 2000, 40
 
 _WORD = re.compile(r"[\w./+#()\[\]-]+")
 
@@ -40,14 +40,35 @@ def printable(text: str) -> str:
         The same where it is harmless; characters of Unicode's categories C and Z (but for the space) as ``\\xNN`` or
         ``\\uNNNN``, and the middle of a very long one left out.
     """
-    if len(text) > _LONGEST:
-        text = f"{text[: _LONGEST // 2]}…{text[-_LONGEST // 4 :]}"
-    return visible(text)
+    return visible(_shortened(text, _LONGEST))
 
 
 def visible(text: str) -> str:
     """A line of any length as `printable` shows it."""
     return "".join(c if _harmless(c) else as_escape(c) for c in text)
+
+
+def message_text(text: str) -> str:
+    """A message as it may be shown: line by line as `visible`, but not without end."""
+    lines = text.split("\n")
+    if len(lines) > _MOST_LINES:
+        lines = [*lines[:_MOST_LINES], f"  … and {len(lines) - _MOST_LINES} lines more"]
+    return "\n".join(visible(_shortened(line, _LONGEST_LINE)) for line in lines)
+
+
+def as_number(text: str) -> float:
+    """A number as files write it; Python alone would also take ``1_000`` and the digits of other scripts.
+
+    Raises:
+        ValueError: It is none.
+    """
+    if not text.isascii() or "_" in text:
+        raise ValueError(f"{printable(text)!r} is not a number")
+    return float(text)
+
+
+def _shortened(text: str, longest: int) -> str:
+    return text if len(text) <= longest else f"{text[: longest // 2]}…{text[-longest // 4 :]}"
 
 
 def as_escape(character: str) -> str:

@@ -21,6 +21,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "_typing": set(),
     "errors": set(),
     "text": set(),
+    "reading": set(),
     "units": set(),
     "media": set(),
     "files": set(),
@@ -40,7 +41,19 @@ MAY_IMPORT: dict[str, set[str]] = {
     "tool_error": {"arms", "rollout"},
     "monitors": {"arms", "controllers", "condition", "plant", "rollout"},
     "experiment": {"resources", "arms", "controllers", "baselines", "references", "condition", "plant", "metrics"},
-    "results": {"resources", "arms", "references", "rollout", "metrics", "monitors", "experiment"},
+    "result_files": set(),
+    "result_schema": {"metrics", "monitors", "experiment", "result_files"},
+    "results": {
+        "resources",
+        "arms",
+        "references",
+        "rollout",
+        "metrics",
+        "monitors",
+        "experiment",
+        "result_files",
+        "result_schema",
+    },
     "viewer": {"resources", "arms", "metrics", "experiment", "results"},
     "report": {
         "resources",
@@ -55,7 +68,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "viewer",
     },
 }
-OPEN = {"_typing", "errors", "text", "units", "media", "files", "lazy", "choices", "clock"}
+OPEN = {"_typing", "errors", "text", "reading", "units", "media", "files", "lazy", "choices", "clock"}
 EVERYTHING = {*MAY_IMPORT, "package"}
 MAY_IMPORT["study"] = EVERYTHING
 MAY_IMPORT["cli"] = EVERYTHING | {"study"}

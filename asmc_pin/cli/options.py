@@ -14,6 +14,7 @@ import typer
 from asmc_pin.choices import Condition
 from asmc_pin.cli.console import announce_compiling, note
 from asmc_pin.errors import ParameterError
+from asmc_pin.text import as_number
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -85,7 +86,7 @@ Range: TypeAlias = tuple[float, float]
 def number(text: str, option: str) -> float:
     """One finite number, or a `ParameterError` that names the option."""
     try:
-        value = float(text)
+        value = as_number(text)
     except ValueError:
         raise ParameterError(option, f"'{text}' is not a number") from None
     if not math.isfinite(value):
