@@ -168,7 +168,7 @@ def dynamics_only(urdf: str) -> str:
     Numbers stay as they are written. Limits, friction, damping and mimics go too: the comparison is of free arms. Links
     get a prefix before their names.
     """
-    root = etree.fromstring(urdf.encode(), etree.XMLParser(resolve_entities=False, no_network=True))
+    root = etree.fromstring(urdf.encode(), etree.XMLParser(encoding="utf-8", resolve_entities=False, no_network=True))
     for element in root.iter():
         if isinstance(element.tag, str) and element.tag.startswith("{"):
             element.tag = etree.QName(element).localname

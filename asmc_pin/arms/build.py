@@ -16,6 +16,11 @@ from asmc_pin.errors import ArmError, ParameterError
 # Joint angles at which M(q) is examined; any spread will do, it only has to be the same every time.
 _SAMPLES = 16
 
+# kg·m² (kg): below it the inverse of M, squared, leaves the range of a double.
+_LEAST = 1e-100
+# m²: a radius of gyration of less than 1e-10 m is the rounding of a mass on the axis.
+_NO_RADIUS = 1e-20
+
 
 def bare_model(robot: Robot, locked: Mapping[str, float]) -> pin.Model:
     """The arm as its URDF has it, locked joints merged into their parents.
@@ -121,7 +126,8 @@ def check_mass_matrix(robot: Robot, model: pin.Model) -> None:
     for q in np.vstack([np.zeros(model.nv), generator.uniform(-np.pi, np.pi, (_SAMPLES, model.nv))]):
         mass: Array = pin.crba(model, data, q)
         diagonal = np.diag(mass)
-        if np.all(diagonal > 1e-16 * diagonal.max()):
+        comparable = bool(np.all(diagonal > max(1e-16 * diagonal.max(), _LEAST)))
+        if comparable:
             scale = 1.0 / np.sqrt(diagonal)
             values, vectors = np.linalg.eigh(mass * scale[:, None] * scale)
             if values[0] > 8.0 * model.nv * np.finfo(float).eps:
@@ -129,12 +135,29 @@ def check_mass_matrix(robot: Robot, model: pin.Model) -> None:
             weak = int(np.argmax(np.abs(vectors[:, 0])))
         else:
             weak = int(np.argmin(diagonal))
-        joint = robot.joints[model.names[weak + 1]]
-        smallest = float(np.linalg.eigvalsh(mass)[0])
-        raise ArmError(
-            robot.path,
-            f"{joint.where}: the mass matrix is not positive definite at q = {np.round(q, 3).tolist()} (smallest "
-            f"eigenvalue {smallest:.3g}), because nothing resists this joint: link '{joint.child}' and what hangs on "
-            "it have their mass on its axis and no rotational inertia about it, or another joint moves them just so. "
-            f"Give link '{joint.child}' its inertia, or joint '{joint.name}' an armature",
+        raise ArmError(robot.path, _singular(robot, model, q, mass, weak, comparable))
+
+
+def _singular(robot: Robot, model: pin.Model, q: Array, mass: Array, weak: int, comparable: bool) -> str:
+    """Why M(q) is not positive definite: a joint without inertia, or masses that are too far apart or too small."""
+    joint = robot.joints[model.names[weak + 1]]
+    carried = [weak + 1]
+    for index in range(weak + 2, model.njoints):
+        if model.parents[index] in carried:
+            carried.append(index)
+    weight = sum(model.inertias[index].mass for index in carried)
+    if not comparable and mass[weak, weak] > _NO_RADIUS * weight:
+        heaviest = max(range(1, model.njoints), key=lambda index: model.inertias[index].mass)
+        link = robot.joints[model.names[heaviest]].child
+        return (
+            f"{joint.where}: M(q) is no matrix that can be computed with at q = {np.round(q, 3).tolist()}: what hangs "
+            f"on this joint has a mass of {weight:.3g} kg and feels {mass[weak, weak]:.3g} kg·m² (kg), while link "
+            f"'{link}', with what is fixed to it, has {model.inertias[heaviest].mass:.3g} kg. Check these masses"
         )
+    smallest = float(np.linalg.eigvalsh(mass)[0])
+    return (
+        f"{joint.where}: the mass matrix is not positive definite at q = {np.round(q, 3).tolist()} (smallest "
+        f"eigenvalue {smallest:.3g}), because nothing resists this joint: link '{joint.child}' and what hangs on "
+        "it have their mass on its axis and no rotational inertia about it, or another joint moves them just so. "
+        f"Give link '{joint.child}' its inertia, or joint '{joint.name}' an armature"
+    )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.arms.magnitudes import INERTIA, MASS
 
 # Relative to the largest principal moment: exporters print some ten digits.
 _TOLERANCE = 1e-9
@@ -25,6 +26,11 @@ def inertia_problem(mass: float, inertia: Array) -> str:
     """
     if mass < 0.0:
         return f"its mass is {mass:g} kg; a mass is positive, correct the sign"
+    if not mass <= MASS:
+        return f"its mass is {mass:g} kg, and at most {MASS:g} kg are taken; correct the number, or its unit"
+    largest = float(np.max(np.abs(inertia)))
+    if not largest <= INERTIA:
+        return f"its inertia has an entry of {largest:g} kg·m², and at most {INERTIA:g} are taken; correct the number"
     moments = np.linalg.eigvalsh(inertia)
     slack = _TOLERANCE * float(np.max(np.abs(moments)))
     listed = ", ".join(f"{moment:.6g}" for moment in moments)

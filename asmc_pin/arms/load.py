@@ -14,6 +14,7 @@ import pinocchio as pin
 from asmc_pin.arms.arm import Arm
 from asmc_pin.arms.build import bare_model, carry, check_mass_matrix, last_link, set_limits
 from asmc_pin.arms.document import read_document
+from asmc_pin.arms.magnitudes import MOVING_JOINTS
 from asmc_pin.arms.options import (
     GRAVITY,
     Armature,
@@ -29,6 +30,8 @@ from asmc_pin.arms.reading import Joint, Robot, read_robot
 from asmc_pin.arms.registry import ArmEntry, find, package_dirs
 from asmc_pin.arms.tree import tree_of
 from asmc_pin.errors import ArmError
+from asmc_pin.reading import shown
+from asmc_pin.text import printable
 
 
 def load_arm(
@@ -83,6 +86,12 @@ def assemble(robot: Robot, entry: ArmEntry | None, variant: Variant) -> Arm:
     joints = [robot.joints[name] for name in model.names[1:]]
     names = tuple(joint.name for joint in joints)
     _check_mimics(robot, joints, variant.lock or {})
+    if len(joints) > MOVING_JOINTS:
+        raise ArmError(
+            robot.path,
+            f"{shown(robot.path)}: has {len(joints)} moving joints, and at most {MOVING_JOINTS} are computed with; "
+            "lock the rest",
+        )
     model.armature = resolve_armature(names, entry.armature if entry else {}, variant.armature)
     model.gravity.linear = np.array(GRAVITY) if variant.gravity is None else variant.gravity
     set_limits(model, joints)
@@ -92,7 +101,7 @@ def assemble(robot: Robot, entry: ArmEntry | None, variant: Variant) -> Arm:
         carry(robot, model, payload)
     check_mass_matrix(robot, model)
     return Arm(
-        name=entry.name if entry else robot.path.stem,
+        name=entry.name if entry else printable(robot.path.stem),
         joint_names=names,
         joint_kinds=tuple(joint.kind for joint in joints),
         continuous=_frozen([joint.continuous for joint in joints], np.bool_),
@@ -164,7 +173,7 @@ def _warnings(robot: Robot, joints: Sequence[Joint], locked: Mapping[str, float]
         ("velocity limits", [j.name for j in joints if np.isinf(j.velocity)], "no limit"),
     ]
     warnings = [
-        f"zero or missing {what} for {', '.join(names)} in {robot.path.name}: taken as undeclared, {meaning}"
+        f"zero, missing or endless {what} for {', '.join(names)} in {robot.path.name}: taken as undeclared, {meaning}"
         for what, names, meaning in found
         if names
     ]

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.arms.magnitudes import GRAVITY as LARGEST_GRAVITY
+from asmc_pin.arms.magnitudes import INERTIA, LENGTH
 from asmc_pin.arms.payload import Payload, as_payload
 from asmc_pin.arms.reading import Robot
 from asmc_pin.arms.registry import nearest
@@ -82,10 +84,12 @@ def resolve_locks(robot: Robot, default: Mapping[str, float], lock: Lock | None)
         unit = "m" if robot.joints[name].kind == "prismatic" else "rad"
         try:
             locked[name] = float(value)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             locked[name] = math.nan
         if not math.isfinite(locked[name]):
             raise ParameterError("lock", f"joint '{name}': {value!r} given, a number in {unit} or \"free\" expected")
+        if abs(locked[name]) > LENGTH:
+            raise ParameterError("lock", f"joint '{name}': {value!r} given, at most {LENGTH:g} {unit} expected")
         joint = robot.joints[name]
         if joint.kind == "revolute":
             check_angle("lock", name, locked[name], joint.lower, joint.upper, joint.continuous)
@@ -95,6 +99,9 @@ def resolve_locks(robot: Robot, default: Mapping[str, float], lock: Lock | None)
         for name, mimic in followers.items():
             if mimic.joint in locked:
                 locked[name] = mimic.multiplier * locked[mimic.joint] + mimic.offset
+                if not abs(locked[name]) <= LENGTH:
+                    where = robot.joints[name].where
+                    raise ParameterError("lock", f"{where}: follows '{mimic.joint}' to {locked[name]:g}; mend <mimic>")
     return locked
 
 
@@ -131,6 +138,8 @@ def resolve_armature(
         values[:] = armature
     if not np.all(np.isfinite(values)) or np.any(values < 0.0):
         raise ParameterError("armature", f"{values.tolist()} given, finite values of zero or more expected, kg·m²")
+    if np.any(values > INERTIA):
+        raise ParameterError("armature", f"{values.tolist()} given, values of at most {INERTIA:g} expected, kg·m²")
     return values
 
 
@@ -142,6 +151,8 @@ def _gravity(gravity: Gravity | None) -> Array | None:
             f"{gravity!r} given, three finite numbers expected: the acceleration in the base frame, m/s², such as "
             "(0, 0, 9.81) for an arm on the ceiling or (9.81, 0, 0) on a wall",
         )
+    if value is not None and np.any(np.abs(value) > LARGEST_GRAVITY):
+        raise ParameterError("gravity", f"{gravity!r} given, at most {LARGEST_GRAVITY:g} m/s² expected")
     if value is not None:
         check_gravity(value)
     return value
@@ -150,5 +161,5 @@ def _gravity(gravity: Gravity | None) -> Array | None:
 def _numbers(parameter: str, value: Any) -> Array | None:
     try:
         return None if value is None else np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ParameterError(parameter, f"{value!r} given, numbers expected") from None

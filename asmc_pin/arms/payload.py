@@ -10,6 +10,7 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.arms.inertia import inertia_problem
+from asmc_pin.arms.magnitudes import LENGTH
 from asmc_pin.errors import ParameterError
 
 _FIELDS = ("mass", "com", "inertia", "link")
@@ -36,12 +37,14 @@ class Payload:
         for name, size in (("mass", ()), ("com", (3,)), ("inertia", (6,))):
             try:
                 value = np.asarray(getattr(self, name), dtype=np.float64)
-            except (TypeError, ValueError):
+            except (TypeError, ValueError, OverflowError):
                 raise ParameterError(f"payload.{name}", f"{getattr(self, name)!r} given, numbers expected") from None
             if value.shape != size or not np.all(np.isfinite(value)):
                 expected = "one finite number" if not size else f"{size[0]} finite numbers"
                 raise ParameterError(f"payload.{name}", f"{getattr(self, name)!r} given, {expected} expected")
             object.__setattr__(self, name, float(value) if not size else tuple(map(float, value)))
+        if max(map(abs, self.com)) > LENGTH:
+            raise ParameterError("payload.com", f"{list(self.com)} given, coordinates of at most {LENGTH:g} m expected")
         problem = inertia_problem(self.mass, self.inertia_matrix)
         if problem:
             raise ParameterError("payload", problem)

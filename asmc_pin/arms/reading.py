@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import io
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +17,8 @@ from lxml import etree
 from asmc_pin._typing import Array
 from asmc_pin.arms.document import Document
 from asmc_pin.arms.inertia import inertia_problem
-from asmc_pin.arms.structure import MOVING, check_structure, where
+from asmc_pin.arms.magnitudes import FRICTION, LIMIT
+from asmc_pin.arms.structure import MOVING, NUMBERS, check_structure, where
 from asmc_pin.errors import ArmError
 
 # Pinocchio wants to see a range at every joint; nothing reads this one, `Joint` has the real limits.
@@ -106,7 +108,17 @@ def _stripped(document: Document) -> Any:
     for inertia in root.iter("inertia"):
         for product in ("ixy", "ixz", "iyz"):
             inertia.set(product, inertia.get(product, "0"))
+    for element in root.iter():
+        for name in NUMBERS.get(element.tag, ()) if element.tag != "axis" else ():  # a direction has no size
+            if element.get(name) is not None:
+                element.set(name, " ".join(map(_plainly, element.get(name).split())))
     return root
+
+
+def _plainly(number: str) -> str:
+    """The same double as every reader takes it: Pinocchio's refuses some that Python takes, and those below 1e-307."""
+    value = float(number)
+    return repr(value) if abs(value) >= sys.float_info.min else "0.0"
 
 
 def _float(value: object, default: float) -> float:
@@ -121,6 +133,7 @@ def _joint(document: Document, raw: Any, element: Any) -> Joint:
     continuous = raw.type == "continuous"
     if continuous or lower == upper == 0.0:
         lower, upper = -np.inf, np.inf
+    lower, upper = -np.inf if lower < -LIMIT else lower, np.inf if upper > LIMIT else upper
     place = where(document, element)
     if lower > upper:
         raise ArmError(
@@ -132,6 +145,11 @@ def _joint(document: Document, raw: Any, element: Any) -> Joint:
         if value < 0.0:
             raise ArmError(
                 document.path, f"{place}: its {what} {value:g} is negative, which would drive it; make it ≥ 0"
+            )
+        if value > FRICTION:
+            raise ArmError(
+                document.path,
+                f"{place}: its {what} is {value:g}, and at most {FRICTION:g} is taken; correct the number",
             )
     mimic = raw.mimic and Mimic(raw.mimic.joint, _float(raw.mimic.multiplier, 1.0), _float(raw.mimic.offset, 0.0))
     return Joint(
@@ -168,6 +186,8 @@ def _pinocchio_xml(root: Any) -> str:
             joint.set("type", "revolute")
         if axis is not None:
             direction: Array = np.array([float(x) for x in axis.get("xyz", "1 0 0").split()])
+            if not 1e-150 < np.max(np.abs(direction)) < 1e150:  # squares would over- or underflow
+                direction /= np.max(np.abs(direction))
             axis.set("xyz", " ".join(repr(float(x)) for x in direction / np.linalg.norm(direction)))
         etree.SubElement(joint, "limit", lower=f"-{_WIDE}", upper=_WIDE, effort=_WIDE, velocity=_WIDE)
     text: str = etree.tostring(root, encoding="unicode")

@@ -12,7 +12,9 @@ from types import MappingProxyType
 from typing import Any
 
 from asmc_pin.errors import ArmError
+from asmc_pin.reading import user_path
 from asmc_pin.resources import shipped
+from asmc_pin.text import printable
 
 
 @dataclass(frozen=True)
@@ -196,10 +198,13 @@ def find(source: str | Path) -> tuple[Path, ArmEntry | None]:
     if isinstance(source, str) and source in ARMS:
         entry = ARMS[source]
         return entry.path(), entry
-    path = Path(source).expanduser()
-    if path.exists():
+    path, text = user_path(source), printable(str(source))
+    try:
+        there = path.exists()
+    except OSError as error:
+        raise ArmError(source, f"{text}: cannot be read ({error.strerror})") from None
+    if there:
         return path, None
-    text = str(source)
     if "/" in text or "\\" in text or path.suffix:
         raise ArmError(
             source, f"{text}: no such file. Give the path of a URDF, or the name of an arm ({', '.join(ARMS)})"
