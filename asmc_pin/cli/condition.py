@@ -111,14 +111,14 @@ def check_motion(along: str | None) -> None:
 
 
 def _motion(along: str, arm: Arm) -> Any:
-    """An experiment, or recorded data where the name ends in .csv."""
+    """An experiment, of which the motion alone is wanted, or recorded data where the name ends in .csv."""
     if along.lower().endswith(".csv"):
         from asmc_pin.condition.recorded import read_recording
 
         return read_recording(along, arm)
     from asmc_pin.experiment import load_experiment
 
-    return load_experiment(along)
+    return load_experiment(along, import_laws=False)
 
 
 def prove(

@@ -13,9 +13,10 @@ from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
 from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment.constructors import Problem, Signature, construct, nearest
-from asmc_pin.experiment.laws import LAWS, load_law
+from asmc_pin.experiment.laws import LAWS, is_own, load_law
 from asmc_pin.experiment.schema import ExperimentTables
 from asmc_pin.references import REFERENCES, Reference
+from asmc_pin.text import printable
 from asmc_pin.units import check_delay, check_motion
 
 _LOOKS = 2001
@@ -35,20 +36,20 @@ def table_problems(error: ValidationError) -> list[Problem]:
             continue  # `controller_problems` knows what was meant
         path, model = _locate(item["loc"])
         last = str(item["loc"][-1]) if item["loc"] else ""
-        given = item["input"]
+        given = printable(repr(item["input"]))
         if item["type"] == "extra_forbidden":
             message = f"unknown key: {nearest(last, model.model_fields)}"
         elif item["type"] == "missing":
             message = "is missing"
         elif item["type"] == "string_pattern_mismatch":
-            message = f"got {given!r}; expected letters, digits, '.', '_' and '-', starting with a letter or digit"
+            message = f"got {given}; expected letters, digits, '.', '_' and '-', starting with a letter or digit"
         elif item["type"] in ("model_type", "dict_type"):
-            message = f"must be a table, got {given!r}"
+            message = f"must be a table, got {given}"
         elif item["type"] == "value_error":
             message = str(item["ctx"]["error"])
         else:
             text = item["msg"].removeprefix("Input ")
-            message = f"{text[:1].lower()}{text[1:]}, got {given!r}"
+            message = f"{text[:1].lower()}{text[1:]}, got {given}"
         problems.append(Problem(path, message))
     return problems
 
@@ -132,8 +133,16 @@ def _asked(key: str, check: Callable[..., None], *values: Any) -> list[Problem]:
     return []
 
 
-def controller_problems(data: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], list[Problem]]:
-    """The controllers of a file by label, and what is wrong with their tables and with ``[defaults]``."""
+def controller_problems(
+    data: Mapping[str, Any], folder: Path, import_laws: bool = True
+) -> tuple[dict[str, Any], list[Problem]]:
+    """The controllers of a file by label, and what is wrong with their tables and with ``[defaults]``.
+
+    Args:
+        data: Tables as TOML gives them.
+        folder: Where laws of one's own are looked for.
+        import_laws: Whether they are; a controller with one is left out, unjudged, where not.
+    """
     defaults = data.get("defaults", {})
     tables = data.get("controllers")
     if not isinstance(tables, Mapping) or not isinstance(defaults, Mapping):
@@ -141,11 +150,15 @@ def controller_problems(data: Mapping[str, Any], folder: Path) -> tuple[dict[str
     made: dict[str, Any] = {}
     problems: list[Problem] = []
     signatures = [Signature(law) for law in LAWS.values()]
+    all_known = True
     for label, table in tables.items():
         path = f"controllers.{label}"
         if not isinstance(table, Mapping):
             if label == "law":
                 problems.append(Problem(path, "a law stands in a table of its own, [controllers.LABEL]"))
+            continue
+        if not import_laws and is_own(table.get("law")):
+            all_known = False
             continue
         law, found = _law(table, folder, path)
         problems += found
@@ -165,7 +178,8 @@ def controller_problems(data: Mapping[str, Any], folder: Path) -> tuple[dict[str
             continue  # one of them does not fit the arm; told when the arm is known, with its joints
         made[label], found = construct(law, values, path)
         problems += [_where_it_stands(item, path, table, defaults) for item in found]
-    problems += _default_problems(defaults, signatures)
+    if all_known:  # what a law that was not imported takes, nobody knows
+        problems += _default_problems(defaults, signatures)
     return made, problems
 
 
@@ -259,9 +273,15 @@ def fail(problems: Sequence[Problem], origin: str) -> None:
     """Raise an `ExperimentError` that lists all problems, one for each key; nothing if there is none."""
     if not problems:
         return
-    problems = [item for i, item in enumerate(problems) if item.key not in {other.key for other in problems[:i]}]
-    lines = [f"{item.key}: {item.message}" if item.key else item.message for item in problems]
+    problems = list({item.key: item for item in reversed(problems)}.values())[::-1]
+    lines = [_line(item) for item in problems]
     text = f"{origin}: {lines[0]}" if len(lines) == 1 else "\n  ".join([f"{origin}: {len(lines)} mistakes", *lines])
     error = ExperimentError("", text)
     error.key = problems[0].key
     raise error
+
+
+def _line(problem: Problem) -> str:
+    # A label or a key may hold a line break, which would look like a message of its own.
+    message = problem.message.replace("\n", " ")
+    return f"{printable(problem.key)}: {message}" if problem.key else message

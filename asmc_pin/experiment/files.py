@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from asmc_pin.errors import ExperimentError
-from asmc_pin.experiment.toml import read_toml
+from asmc_pin.experiment.toml import LARGEST, read_toml
+from asmc_pin.reading import read_file, shown, user_path
 from asmc_pin.resources import shipped
+from asmc_pin.text import printable
 
 if TYPE_CHECKING:
     from asmc_pin.experiment.model import Experiment
@@ -20,12 +22,14 @@ def experiment_names() -> list[str]:
     return sorted(path.stem for path in shipped("experiments").glob("*.toml"))
 
 
-def load_experiment(source: str | Path) -> Experiment:
+def load_experiment(source: str | Path, *, import_laws: bool = True) -> Experiment:
     """Read and check an experiment.
 
     Args:
         source: Path of a TOML file, or the name of a shipped experiment. A result's ``experiment.toml`` works too:
             what it names by a relative path is looked for where the experiment lay when it was run.
+        import_laws: Whether a law of one's own (``my_module:MyLaw``) is imported, which runs the code of that module.
+            False for a file that is only looked at: its arm, motion and plant are there, its controllers are not.
 
     Raises:
         ExperimentError: there is no such file, its TOML is broken (names the line), or keys or values are wrong (lists
@@ -35,7 +39,7 @@ def load_experiment(source: str | Path) -> Experiment:
     text, data = read_toml(path)
     from asmc_pin.experiment.model import Experiment  # only now: it brings all that an experiment may be made of
 
-    return Experiment.from_dict(data, folder=_folder(path), origin=str(path), text=text)
+    return Experiment.from_dict(data, folder=_folder(path), origin=str(path), text=text, import_laws=import_laws)
 
 
 def find_experiment(source: str | Path) -> Path:
@@ -47,16 +51,21 @@ def find_experiment(source: str | Path) -> Path:
     names = experiment_names()
     if isinstance(source, str) and source in names:
         return shipped("experiments") / f"{source}.toml"
-    path = Path(source).expanduser()
-    if path.is_file():
-        return path
-    if path.is_dir():
+    path = user_path(source)
+    try:
+        there, folder = path.exists(), path.is_dir()
+    except OSError as error:
+        raise ExperimentError("", f"{shown(path)}: cannot be read ({error.strerror})") from None
+    if folder:
         inside = path / "experiment.toml"
-        hint = f"; did you mean {inside}?" if inside.is_file() else ""
-        raise ExperimentError("", f"{source} is a folder, an experiment is a TOML file{hint}")
+        hint = f"; did you mean {shown(inside)}?" if inside.is_file() else ""
+        raise ExperimentError("", f"{shown(path)} is a folder, an experiment is a TOML file{hint}")
+    if there:
+        return path
     near = difflib.get_close_matches(str(source), names, n=1)
     hint = f"did you mean '{near[0]}'?" if near else f"shipped are {', '.join(names)}"
-    raise ExperimentError("", f"there is no experiment '{source}', neither a file nor a shipped one; {hint}")
+    name = printable(str(source))
+    raise ExperimentError("", f"there is no experiment '{name}', neither a file nor a shipped one; {hint}")
 
 
 def _folder(path: Path) -> Path:
@@ -64,8 +73,9 @@ def _folder(path: Path) -> Path:
     provenance = folder / "provenance.json"
     if path.name == "experiment.toml" and provenance.is_file():
         try:
-            origin = folder / json.loads(provenance.read_text(encoding="utf-8"))["experiment"]["folder"]
-        except (ValueError, KeyError, TypeError):
+            text = read_file(provenance, LARGEST, "a provenance", lambda message: ExperimentError("", message))
+            origin = folder / json.loads(text)["experiment"]["folder"]
+        except (ExperimentError, ValueError, KeyError, TypeError, RecursionError):
             return folder
         return origin if origin.is_dir() else folder
     return folder

@@ -19,6 +19,11 @@ LAWS: dict[str, type] = {**CONTROLLERS, **BASELINES}
 """Every law of the package by its name: those that are blind to the arm, and those that know the model."""
 
 
+def is_own(law: object) -> bool:
+    """Whether ``law = "…"`` names code of the user's own, which runs as soon as it is imported."""
+    return isinstance(law, str) and ":" in law
+
+
 def load_law(law: str, folder: Path, key: str = "law") -> type:
     """The class of a control law.
 

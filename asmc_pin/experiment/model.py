@@ -17,6 +17,7 @@ from asmc_pin.controllers import Controller, Sample, Setpoint
 from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment import checks
 from asmc_pin.experiment.constructors import Problem
+from asmc_pin.experiment.laws import is_own
 from asmc_pin.experiment.plant_parts import LISTS, TABLES, plant_parts
 from asmc_pin.experiment.schema import ExperimentTables
 from asmc_pin.experiment.toml import parse_toml, write_toml
@@ -36,12 +37,19 @@ class Experiment(ExperimentTables):
     _folder: Path = PrivateAttr(default_factory=Path.cwd)
     _origin: str = PrivateAttr(default="experiment")
     _text: str | None = PrivateAttr(default=None)
+    _import_laws: bool = PrivateAttr(default=True)
     _arm: Arm | None = PrivateAttr(default=None)
     _reference: Reference | None = PrivateAttr(default=None)
 
     @classmethod
     def from_dict(
-        cls, data: Mapping[str, Any], *, folder: Path | None = None, origin: str = "experiment", text: str | None = None
+        cls,
+        data: Mapping[str, Any],
+        *,
+        folder: Path | None = None,
+        origin: str = "experiment",
+        text: str | None = None,
+        import_laws: bool = True,
     ) -> Self:
         """Check the content of a file.
 
@@ -50,6 +58,8 @@ class Experiment(ExperimentTables):
             folder: Where relative paths and laws of one's own are looked for; the working directory when omitted.
             origin: What to call the experiment in errors.
             text: The TOML that `data` was read from, if it was; kept so that comments survive.
+            import_laws: Whether laws of one's own are imported, which runs their code. Without them the experiment
+                has its arm, its motion and its plant, and `build_controllers` refuses.
 
         Raises:
             ExperimentError: lists every mistake with the path of its key.
@@ -65,10 +75,11 @@ class Experiment(ExperimentTables):
         problems += checks.reference_problems(content.get("reference"), folder)[1]
         problems += plant_parts(content.get("plant"))[1]
         problems += checks.delay_problems(content)
-        problems += checks.controller_problems(content, folder)[1]
+        problems += checks.controller_problems(content, folder, import_laws)[1]
         checks.fail(problems, origin)
         assert tables is not None
         tables._data, tables._folder, tables._origin, tables._text = content, folder, origin, text
+        tables._import_laws = import_laws
         return tables
 
     @property
@@ -84,7 +95,7 @@ class Experiment(ExperimentTables):
         """
         data = {**self._data, **changes}
         data = {key: value for key, value in data.items() if value is not None}
-        return type(self).from_dict(data, folder=self._folder, origin=self._origin)
+        return type(self).from_dict(data, folder=self._folder, origin=self._origin, import_laws=self._import_laws)
 
     def with_plant(self, **changes: Any) -> Self:
         """The experiment with other values for keys of ``[plant]``, checked anew."""
@@ -159,6 +170,10 @@ class Experiment(ExperimentTables):
         Raises:
             ExperimentError: a parameter does not fit the arm.
         """
+        own = [] if self._import_laws else [key for key, table in self.controllers.items() if is_own(table["law"])]
+        if own:
+            told = "its law is code of somebody's own, and this experiment was read without importing any"
+            checks.fail([Problem(f"controllers.{label}.law", told) for label in own], self._origin)
         arm = self.build_arm()
         checks.fail(checks.controller_size_problems(self, self._folder, arm), self._origin)
         made, problems = checks.controller_problems(self._data, self._folder)
@@ -172,7 +187,7 @@ class Experiment(ExperimentTables):
                 text = str(error).removeprefix(f"{error.parameter}: ")
                 problems.append(Problem(f"controllers.{label}.{error.parameter}", text))
             except Exception as error:
-                if ":" not in self.controllers[label]["law"]:
+                if not is_own(self.controllers[label]["law"]):
                     raise
                 problems.append(Problem(f"controllers.{label}", f"init raised {type(error).__name__}: {error}"))
         checks.fail(problems, self._origin)

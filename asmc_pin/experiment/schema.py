@@ -24,9 +24,12 @@ from pydantic import (
 from asmc_pin.errors import ParameterError
 from asmc_pin.units import LONGEST_PERIOD, check_period
 
+MOST_CONTROLLERS = 100
+
 MOST_TICKS = 10_000_000
 """Longest run in control ticks: almost three hours at 1 ms, some gigabytes of trajectories for each controller."""
 
+_LONGEST_LABEL = 200
 _NUMBERS_SCHEMA = {
     "anyOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}, "minItems": 1}],
 }
@@ -208,7 +211,11 @@ class MetricsTable(Table):
 
 
 def _printable(value: dict[str, Any]) -> dict[str, Any]:
+    if len(value) > MOST_CONTROLLERS:
+        raise ValueError(f"are {len(value)}; one comparison has at most {MOST_CONTROLLERS} controllers")
     for label in value:
+        if len(label) > _LONGEST_LABEL:
+            raise ValueError(f"the label {label!r} has {len(label)} characters; at most {_LONGEST_LABEL} fit a table")
         if not label.strip() or not label.isprintable():
             raise ValueError(f"the label {label!r} must be printable text, as it is shown in tables and figures")
     return value
@@ -227,6 +234,7 @@ class ExperimentTables(Table):
 
     name: str = Field(
         pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$",
+        max_length=100,
         description="results go to results/NAME; letters, digits, '.', '_' and '-'",
     )
     arm: Annotated[ArmTable, BeforeValidator(arm_table)] = Field(description="name, URDF path, or a table")
