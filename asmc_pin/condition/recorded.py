@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,13 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.condition.lemma1 import check_mbar
 from asmc_pin.errors import ParameterError
+from asmc_pin.reading import read_file, shown
+from asmc_pin.text import printable
+
+LARGEST = 1_000_000_000
+"""Bytes of a recording at most: an hour of seven joints at 1 kHz."""
+
+_MOST_COLUMNS = 10_000
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -52,18 +60,14 @@ def read_recording(path: str | Path, arm: Arm) -> Recording:
     Raises:
         ParameterError: It cannot be read, a column is missing, or a row is malformed; the message names the line.
     """
-    import pandas as pd
-
     path = Path(path)
-    try:
-        table = pd.read_csv(path, skipinitialspace=True)
-    except (OSError, ValueError, pd.errors.ParserError) as error:
-        raise ParameterError("along", f"{path} cannot be read as CSV: {str(error).strip()}") from None
+    table = _table(path)
     columns = [str(name).strip() for name in table.columns]
     table.columns = columns
     clock = next((name for name in ("t", "time") if name in columns), None)
     if clock is None:
-        raise ParameterError("along", f"{path.name} has no column 't' or 'time'; its columns: {', '.join(columns)}")
+        given = printable(", ".join(columns))
+        raise ParameterError("along", f"{path.name} has no column 't' or 'time'; its columns: {given}")
     time = _numbers(path, table, [clock])[:, 0]
     if len(time) < 2:
         raise ParameterError("along", f"{path.name} has {len(time)} rows, at least 2 expected")
@@ -79,6 +83,28 @@ def read_recording(path: str | Path, arm: Arm) -> Recording:
     return Recording(
         path.name, time, q, _group(path, table, "v", arm.joint_names), _group(path, table, "tau", arm.joint_names)
     )
+
+
+def _table(path: Path) -> Any:
+    import pandas as pd
+
+    def fail(message: str) -> ParameterError:
+        return ParameterError(
+            "along", f"{shown(path)} cannot be read as CSV: {message.removeprefix(f'{shown(path)}: ')}"
+        )
+
+    data = read_file(path, LARGEST, "a recording", fail)
+    # Before pandas sees it, which takes a kilobyte for every column, whatever it holds.
+    if data[: data.find(b"\n") if b"\n" in data else None].count(b",") >= _MOST_COLUMNS:
+        raise fail(f"its header has more than {_MOST_COLUMNS} columns")
+    try:
+        table = pd.read_csv(io.BytesIO(data), skipinitialspace=True, encoding="utf-8-sig")
+    except Exception as error:  # pandas' parsers raise classes that have nothing in common
+        said = printable(" ".join(str(error).split()))
+        raise fail(said or type(error).__name__) from None
+    if not isinstance(table.index, pd.RangeIndex):
+        raise fail("its rows have more values than its header has names")
+    return table
 
 
 def tde_error(arm: Arm, mbar: Any, recording: Recording, *, period: float | None = None) -> Array:
@@ -141,14 +167,19 @@ def _group(path: Path, table: Any, kind: str, joints: Sequence[str]) -> Array | 
 def _numbers(path: Path, table: Any, columns: Sequence[Any]) -> Array:
     import pandas as pd
 
-    values = np.column_stack(
-        [pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=np.float64) for name in columns]
-    )
+    def numbers(name: Any) -> Array:
+        try:
+            return np.asarray(pd.to_numeric(table[name], errors="coerce"), dtype=np.float64)
+        except OverflowError:  # an integer beyond any float; as text it is infinite
+            return np.asarray(pd.to_numeric(table[name].astype(str), errors="coerce"), dtype=np.float64)
+
+    values = np.column_stack([numbers(name) for name in columns])
     bad = np.argwhere(~np.isfinite(values))
     if bad.size:
         row, column = bad[0]
         given = table[columns[column]].iloc[row]
         raise ParameterError(
-            "along", f"{path.name}, line {row + 2}, column '{columns[column]}': {given!r} is not a finite number"
+            "along",
+            f"{path.name}, line {row + 2}, column '{columns[column]}': {printable(repr(given))} is not a finite number",
         )
     return values

@@ -6,6 +6,7 @@ import csv
 import io
 import math
 import re
+from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,8 +19,16 @@ from asmc_pin._typing import Array
 from asmc_pin.controllers.base import Setpoint
 from asmc_pin.controllers.parameters import Choice
 from asmc_pin.errors import ParameterError
+from asmc_pin.reading import read_file, shown
 from asmc_pin.references.base import as_times, held_outside
+from asmc_pin.text import as_number, printable
 
+LARGEST = 100_000_000
+"""Bytes of a path's CSV file at most."""
+
+_MOST_COLUMNS = 1_000
+_FURTHEST = 1e6
+_LEAST_STEP = 1e-9  # s; what happens faster has derivatives that overflow
 _DEGREE = {"cubic": 3, "quintic": 5}
 
 
@@ -65,8 +74,8 @@ class CsvPath:
             points = np.ascontiguousarray(points[:, [names.index(name) for name in self.joints]])
             names = list(self.joints)
         curve = _interpolate(str(self.path), times, points, _DEGREE[self.spline], self.ends == "rest")
-        for array in (times, points):
-            array.setflags(write=False)
+        for rows in (times, points):
+            rows.setflags(write=False)
         for name, value in (("columns", tuple(names)), ("times", times), ("points", points), ("_curve", curve)):
             object.__setattr__(self, name, value)
 
@@ -101,61 +110,87 @@ def _interpolate(path: str, times: Array, points: Array, degree: int, rest: bool
         raise ParameterError(
             "path", f"{path} has {len(times)} row(s); a spline of degree {degree} needs at least {least}"
         )
-    if degree == 3:
-        return CubicSpline(times, points, bc_type="clamped" if rest else "not-a-knot")
     still = np.zeros(points.shape[1])
     ends: Any = ([(1, still), (2, still)],) * 2 if rest else None
-    return make_interp_spline(times, points, k=degree, bc_type=ends)
+    curve: CubicSpline | BSpline | None
+    try:
+        with np.errstate(all="ignore"):
+            if degree == 3:
+                curve = CubicSpline(times, points, bc_type="clamped" if rest else "not-a-knot")
+            else:
+                curve = make_interp_spline(times, points, k=degree, bc_type=ends)
+    except (ValueError, np.linalg.LinAlgError):
+        curve = None
+    if curve is None or not np.isfinite(curve.c).all():
+        raise ParameterError("path", f"{path}: no spline can be put through its rows; are some times all but the same?")
+    return curve
 
 
 def _read(path: Path) -> tuple[list[str], Array, Array]:
     """Column names, times (rows,) and angles (rows, nv)."""
+    data = read_file(path, LARGEST, "a path's CSV", lambda message: ParameterError("path", message))
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
-        raise ParameterError("path", f"cannot read {path}: {reason}") from error
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise ParameterError("path", f"{shown(path)}: cannot be read, it is not UTF-8 text") from None
     reader = csv.reader(io.StringIO(text, newline=""))
+    names: list[str] = []
+    values = array("d")  # a number takes eight bytes here, and ten times as many in a list of texts
     try:
-        rows = [(reader.line_num, row) for row in reader if any(cell.strip() for cell in row)]
+        for row in reader:
+            if not any(cell.strip() for cell in row):
+                continue
+            if not names:
+                names = _header(path, reader.line_num, row)
+                continue
+            numbers = _numbers(path, reader.line_num, row, len(names))
+            if values and numbers[0] <= values[-len(names)]:
+                place, before = f"{shown(path)}, line {reader.line_num}", values[-len(names)]
+                raise ParameterError("path", f"{place}: time {numbers[0]:g} s follows {before:g} s; it must increase")
+            if values and numbers[0] - values[-len(names)] < _LEAST_STEP:
+                place = f"{shown(path)}, line {reader.line_num}"
+                raise ParameterError("path", f"{place}: is less than {_LEAST_STEP:g} s after the row before it")
+            values.extend(numbers)
     except csv.Error as error:
-        raise ParameterError("path", f"{path}, line {reader.line_num}: {error}") from error
-    if not rows:
-        raise ParameterError("path", f"{path} is empty; expected a header t,q1,…,qn and rows of numbers")
-    names = _header(path, *rows[0])
-    table = np.array([_numbers(path, line, row, len(names)) for line, row in rows[1:]]).reshape(-1, len(names))
-    for before, (line, _), now in zip(table[:-1, 0], rows[2:], table[1:, 0], strict=True):
-        if now <= before:
-            raise ParameterError("path", f"{path}, line {line}: time {now:g} s follows {before:g} s; it must increase")
+        raise ParameterError("path", f"{shown(path)}, line {reader.line_num}: {error}") from error
+    if not names:
+        raise ParameterError("path", f"{shown(path)} is empty; expected a header t,q1,…,qn and rows of numbers")
+    table = np.array(values).reshape(-1, len(names))
+    if np.abs(table).max(initial=0.0) > _FURTHEST:
+        raise ParameterError("path", f"{shown(path)}: has a number beyond {_FURTHEST:g}; s, rad and m are expected")
     return names[1:], table[:, 0].copy(), np.ascontiguousarray(table[:, 1:])
 
 
 def _header(path: Path, line: int, row: list[str]) -> list[str]:
     names = [cell.strip() for cell in row]
-    where = f"{path}, line {line}"
+    where = f"{shown(path)}, line {line}"
+    if len(names) > _MOST_COLUMNS:
+        raise ParameterError("path", f"{where}: {len(names)} columns, at most {_MOST_COLUMNS} expected")
+    given = printable(",".join(names))
     if len(names) < 2 or names[0].lower() not in ("t", "time"):
         raise ParameterError(
-            "path", f"{where}: the header is {','.join(names)!r}; expected t,q1,…,qn, or t and the joints' names"
+            "path", f"{where}: the header is '{given}'; expected t,q1,…,qn, or t and the joints' names"
         )
     if "" in names or len(set(names)) != len(names):
         raise ParameterError("path", f"{where}: a column has no name, or two have the same; name each joint once")
     numbered = [f"q{i}" for i in range(1, len(names))]
     if set(names[1:]) == set(numbered) and names[1:] != numbered:
-        raise ParameterError("path", f"{where}: the columns are {','.join(names)!r}; put them in the order q1,…,qn")
+        raise ParameterError("path", f"{where}: the columns are '{given}'; put them in the order q1,…,qn")
     return names
 
 
 def _numbers(path: Path, line: int, row: list[str], count: int) -> list[float]:
-    where = f"{path}, line {line}"
+    where = f"{shown(path)}, line {line}"
     if len(row) != count:
         raise ParameterError("path", f"{where}: {len(row)} value(s), but the header names {count} columns")
     values = []
     for cell in row:
         try:
-            value = float(cell)
+            value = as_number(cell)
         except ValueError:
-            raise ParameterError("path", f"{where}: {cell.strip()!r} is not a number") from None
+            raise ParameterError("path", f"{where}: '{printable(cell.strip())}' is not a number") from None
         if not math.isfinite(value):
-            raise ParameterError("path", f"{where}: {cell.strip()!r} is not finite; remove the row or fill the gap")
+            given = printable(cell.strip())
+            raise ParameterError("path", f"{where}: '{given}' is not finite; remove the row or fill the gap")
         values.append(value)
     return values
