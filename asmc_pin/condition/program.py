@@ -170,8 +170,11 @@ def _by_armature(
         mine = duals[j * each : (j + 1) * each]
         if sum(np.trace(d) for d in mine) < 1e-7:
             continue
+        inverse = np.linalg.inv(mass)
         for i in range(nv):
-            step = 1e-6 * mass[i, i]
+            # M − δ eᵢeᵢᵀ is positive definite for δ < 1/(M⁻¹)ᵢᵢ, which is far below M's own entry where M is near
+            # singular.
+            step = min(1e-6 * mass[i, i], 1e-3 / inverse[i, i])
             moved = mass.copy()
             moved[i, i] += step
             other = mass.copy()
