@@ -13,7 +13,8 @@ from asmc_pin.arms import arm_names, load_arm
 from asmc_pin.viewer import draw
 from asmc_pin.viewer.bodies import assemble, attachments, body_poses, joint_frames
 from asmc_pin.viewer.simplify import simplify
-from asmc_pin.viewer.visuals import Surface, join, read_visuals
+from asmc_pin.viewer.surface import Surface, join
+from asmc_pin.viewer.visuals import read_visuals
 
 
 def visual(geometry: str, rest: str = "") -> str:

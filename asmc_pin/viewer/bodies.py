@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +13,8 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.viewer.simplify import Shaded, simplify
 from asmc_pin.viewer.skeleton import skeleton
-from asmc_pin.viewer.visuals import Surface, join, read_visuals
+from asmc_pin.viewer.surface import Surface, join
+from asmc_pin.viewer.visuals import read_visuals
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -23,6 +25,10 @@ TRIANGLES = 60_000
 
 Frame = tuple[int, Array, Array, bool]
 """Parent body, placement in it, axis, whether it slides along it."""
+
+
+class DrawingWarning(UserWarning):
+    """A picture of an arm lacks something."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +112,7 @@ class Parts:
 
 def assemble(arm: Arm) -> Parts:
     """Reads an arm's visuals and hangs them on its bodies, a skeleton where there are none."""
-    shown, missing = read_visuals(arm.urdf_text, arm.package_dirs, Path(arm.source).parent)
+    shown, problems = read_visuals(arm.urdf_text, arm.package_dirs, Path(arm.source).parent)
     frames = joint_frames(arm)
     surfaces: tuple[list[Surface], ...] = tuple([] for _ in range(arm.nv + 1))
     tip = np.zeros(3)
@@ -120,10 +126,11 @@ def assemble(arm: Arm) -> Parts:
         if not surfaces[body]:
             surfaces[body].append(stick)
     notes = []
-    if missing:
-        names = [text for texts in missing.values() for text in texts]
-        more = f" and {len(names) - 1} more" if len(names) > 1 else ""
-        notes.append(f"Parts are drawn as a skeleton: {names[0]}{more}.")
+    if problems:
+        texts = [text for found in problems.values() for text in found]
+        more = f" (and {len(texts) - 1} more)" if len(texts) > 1 else ""
+        notes.append(f"Not drawn as the URDF says: {texts[0]}{more}.")
+        warnings.warn(f"{arm.name}: not drawn as its URDF says: {texts[0]}{more}", DrawingWarning, stacklevel=2)
     elif not shown:
         notes.append("The URDF has no visuals: the arm is drawn as a skeleton.")
     return Parts(frames, surfaces, tip, tuple(notes))

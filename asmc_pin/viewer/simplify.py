@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from asmc_pin._typing import Array, IntArray
-from asmc_pin.viewer.visuals import Colours, Surface
+from asmc_pin.viewer.surface import Colours, Surface
 
 CREASE = np.radians(38.0)
 """Faces that meet at a larger angle keep an edge between them; below it the shading runs round."""

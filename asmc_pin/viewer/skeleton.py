@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.viewer.visuals import Surface, join
+from asmc_pin.viewer.surface import Surface, join
 
 ROD = (148, 156, 168)
 DRUM = (72, 80, 94)

@@ -1,56 +1,29 @@
-"""Reads what a URDF shows: the `<visual>` elements of its links, as coloured triangles in the links' frames."""
+"""Reads what a URDF shows: the `<visual>` elements of its links, as coloured triangles in the links' frames.
+
+A run is never lost over a picture: what cannot be drawn as written is left out or grey, and said.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from lxml import etree
 
-from asmc_pin._typing import Array, IntArray
+from asmc_pin._typing import Array
+from asmc_pin.text import as_number, printable
+from asmc_pin.viewer.meshes import load_mesh, resolve
+from asmc_pin.viewer.surface import PLAIN, Surface, painted
 
-Colours = npt.NDArray[np.uint8]
-"""RGB per triangle, shape (m, 3)."""
+_MOST_VISUALS = 500
+_MOST_TRIANGLES = 3_000_000
+_FURTHEST = 1e6
+"""m; a picture of something larger shows nothing else."""
 
-PLAIN = (176, 180, 186)
-"""Colour of what declares none."""
-
-
-@dataclass(frozen=True)
-class Surface:
-    """Coloured triangles.
-
-    Attributes:
-        vertices: Corner positions, shape (n, 3), m.
-        faces: Indices into `vertices`, shape (m, 3).
-        colours: RGB per triangle, shape (m, 3), 0 … 255.
-    """
-
-    vertices: Array
-    faces: IntArray
-    colours: Colours
-
-    def moved(self, pose: Array) -> Surface:
-        """The same triangles after a homogeneous transform, shape (4, 4); a mirroring one keeps the outside outside."""
-        faces = self.faces if np.linalg.det(pose[:3, :3]) > 0 else self.faces[:, ::-1]
-        return Surface(self.vertices @ pose[:3, :3].T + pose[:3, 3], faces, self.colours)
-
-
-def join(surfaces: Sequence[Surface]) -> Surface:
-    """One surface out of several, in their order."""
-    if not surfaces:
-        return Surface(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64), np.empty((0, 3), dtype=np.uint8))
-    starts = np.cumsum([0] + [len(surface.vertices) for surface in surfaces[:-1]])
-    return Surface(
-        np.concatenate([surface.vertices for surface in surfaces]),
-        np.concatenate([surface.faces + start for surface, start in zip(surfaces, starts, strict=True)]),
-        np.concatenate([surface.colours for surface in surfaces]),
-    )
+Colour = tuple[int, int, int]
 
 
 def read_visuals(
@@ -66,75 +39,104 @@ def read_visuals(
         folder: Where relative file names start, the URDF's own folder.
 
     Returns:
-        Surfaces by link name, in the link's frame; and the mesh files that could not be found or read, by link name.
+        Surfaces by link name, in the link's frame; and, by link name, what is not drawn as written: a mesh that was
+        not found, a colour that is none.
     """
     # Entities stay unexpanded and nothing is fetched: a URDF may come from anywhere.
     root = etree.fromstring(
         urdf_text.encode(), etree.XMLParser(encoding="utf-8", resolve_entities=False, no_network=True)
     )
-    materials = {m.get("name", ""): c for m in root.findall("material") if (c := _colour(m)) is not None}
+    materials: dict[str, Colour] = {}
+    for material in root.findall("material"):
+        colour, _ = _colour(material, {})
+        if colour is not None:
+            materials[material.get("name", "")] = colour
     shown: dict[str, list[Surface]] = {}
-    missing: dict[str, list[str]] = {}
+    problems: dict[str, list[str]] = {}
+    visuals = triangles = 0
     for link in root.findall("link"):
         name = link.get("name", "")
         for visual in link.findall("visual"):
-            geometry = visual.find("geometry")
-            if geometry is None:
-                continue
-            material = visual.find("material")
-            colour = None
-            if material is not None:
-                colour = _colour(material) or materials.get(material.get("name", ""))
+            visuals += 1
             try:
-                surfaces = list(_surfaces(geometry, colour, package_dirs, Path(folder)))
-            except (OSError, ValueError) as error:
-                missing.setdefault(name, []).append(str(error))
+                if visuals > _MOST_VISUALS or triangles > _MOST_TRIANGLES:
+                    raise ValueError(f"the picture has {visuals} parts of {triangles} triangles by then")
+                surfaces, found = _visual(visual, materials, package_dirs, Path(folder))
+            except Exception as error:  # readers of mesh formats raise whatever they like
+                problems.setdefault(name, []).append(f"link '{name}': {_said(error)}; left out")
                 continue
-            pose = _origin(visual.find("origin"))
-            shown.setdefault(name, []).extend(surface.moved(pose) for surface in surfaces)
-    return shown, missing
+            triangles += sum(len(surface.faces) for surface in surfaces)
+            problems.setdefault(name, []).extend(f"link '{name}': {text}" for text in found)
+            if surfaces:
+                shown.setdefault(name, []).extend(surfaces)
+    return shown, {name: texts for name, texts in problems.items() if texts}
 
 
-def resolve(filename: str, package_dirs: Sequence[str | Path], folder: Path) -> Path:
-    """The file that a URDF's mesh name means.
+def _said(error: Exception) -> str:
+    if isinstance(error, OSError | ValueError):
+        return printable(str(error))
+    return f"cannot be drawn ({type(error).__name__}: {printable(str(error))})"
 
-    Raises:
-        FileNotFoundError: It lies nowhere that was looked at; the message says where.
-    """
-    scheme, _, rest = filename.rpartition("://")
-    if scheme in ("package", "model"):
-        package, _, inside = rest.partition("/")
-        candidates = [Path(d) / rest for d in package_dirs]
-        candidates += [Path(d) / inside for d in package_dirs if Path(d).name == package]
-    else:
-        candidates = [folder / rest]
-    for candidate in candidates:
-        if candidate.is_file():
-            return candidate
-    raise FileNotFoundError(f"{filename} not found")
+
+def _visual(
+    visual: Any, materials: dict[str, Colour], package_dirs: Sequence[str | Path], folder: Path
+) -> tuple[list[Surface], list[str]]:
+    """Surfaces of one visual in the link's frame, and what of it is not drawn as written."""
+    geometry = visual.find("geometry")
+    if geometry is None:
+        return [], []
+    problems = []
+    material = visual.find("material")
+    colour, problem = (None, "") if material is None else _colour(material, materials)
+    if problem:
+        problems.append(f"{problem}; drawn in grey")
+    try:
+        pose = _origin(visual.find("origin"))
+    except ValueError as error:
+        problems.append(f"{error}; drawn at the link's frame, in grey")
+        pose, colour = np.eye(4), PLAIN
+    surfaces = [surface.moved(pose) for surface in _surfaces(geometry, colour, package_dirs, folder)]
+    for surface in surfaces:
+        if not np.all(np.abs(surface.vertices) <= _FURTHEST):
+            raise ValueError(f"a point is not within {_FURTHEST:g} m")
+    return surfaces, problems
+
+
+def _numbers(element: Any, attribute: str, default: str, counts: tuple[int, ...]) -> list[float]:
+    text = element.get(attribute, default)
+    try:
+        values = [as_number(part) for part in text.split()]
+        if len(values) in counts and all(map(math.isfinite, values)):
+            return values
+    except ValueError:
+        pass
+    expected = " or ".join(map(str, counts))
+    raise ValueError(f'<{element.tag} {attribute}="{printable(text)}"> is not {expected} finite number(s)')
 
 
 def _surfaces(
-    geometry: Any, colour: tuple[int, int, int] | None, package_dirs: Sequence[str | Path], folder: Path
+    geometry: Any, colour: Colour | None, package_dirs: Sequence[str | Path], folder: Path
 ) -> Iterator[Surface]:
     for element in geometry:
         if element.tag == "mesh":
-            scale = np.array([float(x) for x in element.get("scale", "1 1 1").split()]) * np.ones(3)
-            for surface, own in _load(resolve(element.get("filename", ""), package_dirs, folder)):
+            scale = np.array(_numbers(element, "scale", "1 1 1", (1, 3))) * np.ones(3)
+            if not np.all(scale):
+                raise ValueError(f'<mesh scale="{printable(element.get("scale"))}"> leaves nothing to draw')
+            for surface, own in load_mesh(resolve(element.get("filename", ""), package_dirs, folder)):
                 scaled = surface.moved(np.diag([*scale, 1.0]))
-                yield scaled if own or colour is None else _painted(scaled.vertices, scaled.faces, colour)
+                yield scaled if own or colour is None else painted(scaled.vertices, scaled.faces, colour)
         elif (shape := _primitive(element)) is not None:
-            yield _painted(np.asarray(shape.vertices), np.asarray(shape.faces), colour or PLAIN)
+            yield painted(np.asarray(shape.vertices), np.asarray(shape.faces), colour or PLAIN)
 
 
 def _primitive(element: Any) -> Any:
     from trimesh import creation
 
     def value(name: str) -> float:
-        return float(element.get(name, "0"))
+        return _numbers(element, name, "0", (1,))[0]
 
     if element.tag == "box":
-        return creation.box(extents=[float(x) for x in element.get("size", "").split()])
+        return creation.box(extents=_numbers(element, "size", "", (3,)))
     if element.tag == "sphere":
         return creation.icosphere(subdivisions=3, radius=value("radius"))
     if element.tag == "cylinder":
@@ -144,54 +146,18 @@ def _primitive(element: Any) -> Any:
     return None
 
 
-def _painted(vertices: Array, faces: IntArray, colour: tuple[int, int, int]) -> Surface:
-    return Surface(vertices, faces, np.tile(np.array(colour, dtype=np.uint8), (len(faces), 1)))
-
-
-@lru_cache(maxsize=64)
-def _load(path: Path) -> tuple[tuple[Surface, bool], ...]:
-    """The meshes of a file, with the file's own scene transforms applied, and whether each carries its own colours."""
-    import trimesh
-
+def _colour(material: Any, known: dict[str, Colour]) -> tuple[Colour | None, str]:
+    """Colour of a material, None where it has none; and what is wrong with it."""
+    element = material.find("color")
+    if element is None:
+        return known.get(material.get("name", "")), ""
     try:
-        scene = trimesh.load_scene(path)
-    except Exception as error:  # trimesh lets through whatever its format readers raise
-        raise ValueError(f"{path.name} cannot be read as a mesh ({type(error).__name__})") from error
-    found = []
-    for node in scene.graph.nodes_geometry:
-        pose, name = scene.graph[node]
-        mesh = scene.geometry[name]
-        if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
-            continue
-        colours = _own_colours(mesh)
-        faces = np.asarray(mesh.faces, dtype=np.int64)
-        vertices = np.asarray(mesh.vertices, dtype=np.float64)
-        surface = _painted(vertices, faces, PLAIN) if colours is None else Surface(vertices, faces, colours)
-        found.append((surface.moved(np.asarray(pose)), colours is not None))
-    if not found:
-        raise ValueError(f"{path.name} holds no triangles")
-    return tuple(found)
-
-
-def _own_colours(mesh: Any) -> Colours | None:
-    visual = mesh.visual
-    if not visual.defined:
-        return None
-    if visual.kind == "texture":
-        material = visual.material
-        if getattr(material, "image", None) is None and getattr(material, "baseColorTexture", None) is None:
-            return np.tile(np.asarray(material.main_color, dtype=np.uint8)[:3], (len(mesh.faces), 1))
-        corner = np.asarray(visual.to_color().vertex_colors)[np.asarray(mesh.faces), :3]
-        return np.asarray(corner.mean(axis=1), dtype=np.uint8)
-    return np.asarray(visual.face_colors, dtype=np.uint8)[:, :3]
-
-
-def _colour(material: Any) -> tuple[int, int, int] | None:
-    colour = material.find("color")
-    if colour is None:
-        return None
-    red, green, blue = (round(255 * min(max(float(x), 0.0), 1.0)) for x in colour.get("rgba", "1 1 1 1").split()[:3])
-    return red, green, blue
+        red, green, blue, *_ = (
+            round(255 * min(max(x, 0.0), 1.0)) for x in _numbers(element, "rgba", "1 1 1 1", (3, 4))
+        )
+    except ValueError as error:
+        return None, str(error)
+    return (red, green, blue), ""
 
 
 def _origin(origin: Any) -> Array:
@@ -200,6 +166,6 @@ def _origin(origin: Any) -> Array:
 
     pose = np.eye(4)
     if origin is not None:
-        pose[:3, :3] = Rotation.from_euler("xyz", [float(x) for x in origin.get("rpy", "0 0 0").split()]).as_matrix()
-        pose[:3, 3] = [float(x) for x in origin.get("xyz", "0 0 0").split()]
+        pose[:3, :3] = Rotation.from_euler("xyz", _numbers(origin, "rpy", "0 0 0", (3,))).as_matrix()
+        pose[:3, 3] = _numbers(origin, "xyz", "0 0 0", (3,))
     return pose
