@@ -8,7 +8,6 @@ all.
 from __future__ import annotations
 
 import io
-import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -17,6 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 from asmc_pin.errors import AsmcPinError, ResultError
 from asmc_pin.files import remove_leftovers, whole_folder
+from asmc_pin.reading import shown, user_path
+from asmc_pin.result_files import LARGEST
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -74,44 +75,61 @@ class Result:
 
 def find_result(path: str | Path) -> Path:
     """Folder of a result, not yet read; for arguments and errors see `load_result`."""
-    folder = Path(path).expanduser()
-    if not folder.exists() and (Path("results") / folder).is_dir():
-        folder = Path("results") / folder
+    folder = user_path(path)
+    try:
+        if not folder.exists() and (Path("results") / folder).is_dir():
+            folder = Path("results") / folder
+    except OSError as error:
+        raise ResultError(folder, f"{shown(folder)}: cannot be read ({error.strerror})") from None
     if not folder.is_dir():
-        raise ResultError(folder, f"there is no result {folder}; asmc-pin compare makes one")
-    absent = [name for name in (EXPERIMENT, TRAJECTORIES, SUMMARY, PROVENANCE) if not (folder / name).is_file()]
+        raise ResultError(folder, f"there is no result {shown(folder)}; asmc-pin compare makes one")
+    absent = [name for name in (EXPERIMENT, TRAJECTORIES, SUMMARY, PROVENANCE) if not (folder / name).exists()]
     if absent:
-        raise ResultError(folder, f"{folder} is not a result of asmc-pin compare: it has no {', '.join(absent)}")
+        raise ResultError(folder, f"{shown(folder)} is not a result of asmc-pin compare: it has no {', '.join(absent)}")
     return folder
 
 
-def load_result(path: str | Path) -> Result:
-    """Read the result of a comparison.
+def load_result(path: str | Path, *, largest: float = LARGEST) -> Result:
+    """Read the result of a comparison, which a stranger may have made.
+
+    What the files hold is checked against each other and against the experiment, and no code is run that they name: a
+    law of one's own is not imported, see `asmc_pin.experiment.load_experiment`.
 
     Args:
         path: Its folder, or the name of one in ``results/``.
+        largest: Bytes of arrays at most, as they lie in memory.
 
     Raises:
-        ResultError: the folder is missing, or is not a whole result.
+        ResultError: the folder is missing, is not a whole result, or is damaged.
     """
     folder = find_result(path)
-    import pandas as pd
-    import xarray as xr
-
+    from asmc_pin import result_schema as schema
     from asmc_pin.experiment import load_experiment
+    from asmc_pin.result_files import check_digest, read_arrays, read_json, read_rows
 
+    files = {name: folder / name for name in (EXPERIMENT, TRAJECTORIES, SUMMARY, PROVENANCE, CLAIMS, MONITORS)}
     try:
-        return Result(
-            path=folder,
-            experiment=load_experiment(folder / EXPERIMENT),
-            dataset=xr.load_dataset(folder / TRAJECTORIES, engine="h5netcdf"),
-            summary=pd.read_parquet(folder / SUMMARY),
-            provenance=json.loads((folder / PROVENANCE).read_text(encoding="utf-8")),
-            claims=pd.read_parquet(folder / CLAIMS) if (folder / CLAIMS).is_file() else None,
-            monitors=xr.load_dataset(folder / MONITORS, engine="h5netcdf") if (folder / MONITORS).is_file() else None,
-        )
-    except (OSError, ValueError, KeyError, AsmcPinError) as error:
-        raise ResultError(folder, f"{folder} cannot be read, run the comparison again: {error}") from error
+        experiment = load_experiment(files[EXPERIMENT], import_laws=False)
+        provenance = read_json(files[PROVENANCE])
+        schema.check_provenance(files[PROVENANCE], provenance)
+        for name in (TRAJECTORIES, SUMMARY, CLAIMS, MONITORS):
+            if files[name].exists():
+                check_digest(files[name], provenance, largest)
+        dataset = read_arrays(files[TRAJECTORIES], largest)
+        schema.check_trajectories(files[TRAJECTORIES], dataset, experiment)
+        rows = len(dataset.controller) * dataset.sizes["trial"] * dataset.sizes["joint"]
+        summary = read_rows(files[SUMMARY], rows)
+        schema.check_summary(files[SUMMARY], summary, dataset)
+        claims = monitors = None
+        if files[CLAIMS].exists():
+            claims = read_rows(files[CLAIMS], 100 * rows)
+            schema.check_claims(files[CLAIMS], claims, dataset)
+        if files[MONITORS].exists():
+            monitors = read_arrays(files[MONITORS], largest)
+            schema.check_monitors(files[MONITORS], monitors, dataset)
+    except AsmcPinError as error:
+        raise ResultError(folder, f"{shown(folder)} cannot be read, run the comparison again: {error}") from error
+    return Result(folder, experiment, dataset, summary, provenance, claims, monitors)
 
 
 def trajectories(arm: Arm, rollouts: Mapping[str, Rollout], laws: Mapping[str, str]) -> xr.Dataset:

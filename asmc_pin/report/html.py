@@ -22,6 +22,7 @@ from asmc_pin.errors import ResultError
 from asmc_pin.files import write_whole
 from asmc_pin.media import for_html
 from asmc_pin.metrics import METRICS
+from asmc_pin.reading import read_file, shown
 from asmc_pin.report.fragments import definition_list, definitions, details, table_html
 from asmc_pin.report.tables import MAIN, Table, metric_table, number, overview, per_joint, tool_table
 from asmc_pin.report.theorem_page import theorem_section
@@ -31,6 +32,8 @@ from asmc_pin.viewer.page import POLICY
 
 SMALL_IS_BEST = ("rms_error", "max_error", "final_error", "settling_time", "torque_variation")
 """Metrics of which the smallest figure in a column is marked; of a torque or a gain, less is not better."""
+
+_MOST_FIGURES, _LARGEST_FIGURE = 50, 20_000_000
 
 FIGURES = {
     "reference": "The motion to follow: desired positions of the joints.",
@@ -174,17 +177,26 @@ def _figures(result: Result) -> Iterator[str]:
     there = {path.stem: path for path in sorted((result.path / "figures").glob("*.png"))}
     if not there:
         return
+    if len(there) > _MOST_FIGURES:
+        raise ResultError(result.path, f"{result.path}: has {len(there)} figures, at most {_MOST_FIGURES} expected")
     yield '<h2 id="figures">Figures</h2>'
     for name in [*(name for name in FIGURES if name in there), *(name for name in there if name not in FIGURES)]:
         path, caption = there[name], FIGURES.get(name, f"{name.replace('_', ' ').capitalize()}.")
-        try:
-            data = base64.b64encode(path.read_bytes()).decode()
-        except OSError as error:
-            raise ResultError(result.path, f"{path} cannot be read: {error.strerror or error}") from error
+        data = base64.b64encode(_figure(result, path)).decode()
         yield (
             f'<figure><div class="paper"><img alt="{for_html(caption)}" src="data:image/png;base64,{data}"></div>'
             f"<figcaption>{for_html(caption)}</figcaption></figure>"
         )
+
+
+def _figure(result: Result, path: Path) -> bytes:
+    """A figure of the result's own: a link out of the folder would put another file into a page that is mailed."""
+    if not path.resolve().is_relative_to(result.path.resolve()):
+        raise ResultError(result.path, f"{shown(path)}: lies elsewhere; a result's figures are in its folder")
+    data = read_file(path, _LARGEST_FIGURE, "a figure", lambda message: ResultError(result.path, message))
+    if not data.startswith(b"\x89PNG\r\n"):
+        raise ResultError(result.path, f"{shown(path)}: is no PNG file; run the comparison again")
+    return data
 
 
 def _conditions(result: Result) -> Iterator[str]:
