@@ -311,8 +311,8 @@ def test_a_law_of_ones_own_is_compared_like_any_other(tmp_path, unillustrated):
     assert spring["status"] == "ok"
     assert all(np.isfinite(spring["rms_error"]))
     assert spring["s_sign_changes"] == [None, None]
-    result = results.load_result(tmp_path / "out")
-    assert set(result.experiment.build_controllers()) == {"PPC", "Spring"}
+    again = load_experiment(tmp_path / "out" / "experiment.toml")
+    assert set(again.build_controllers()) == {"PPC", "Spring"}
 
 
 def test_an_exception_in_a_law_of_ones_own_names_the_law_and_the_line(tmp_path):

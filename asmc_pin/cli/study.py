@@ -34,7 +34,10 @@ def compare(
     ] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Run every controller of an experiment on the same plant; write trajectories, tables, figures and a report."""
+    """Run every controller of an experiment on the same plant; write trajectories, tables, figures and a report.
+
+    It runs the code of a law that the experiment names as 'my_module:MyLaw': do not compare a stranger's file unread.
+    """
     from asmc_pin.experiment import load_experiment
 
     loaded = load_experiment(experiment)
@@ -143,5 +146,6 @@ def print_comparison(comparison: Comparison) -> None:
     console.print(table)
     for line in comparison.notes:
         console.print(visible(f"note: {line}"), soft_wrap=True)
-    console.print(f"report: {comparison.out / 'report.html'}", soft_wrap=True)
+    if (comparison.out / "report.html").is_file():
+        console.print(f"report: {comparison.out / 'report.html'}", soft_wrap=True)
     console.print(f"replay: asmc-pin view {comparison.out}", soft_wrap=True)

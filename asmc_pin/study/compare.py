@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import json
+import math
 import traceback
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -32,6 +35,7 @@ from asmc_pin.study.signals import add_signals
 from asmc_pin.study.summary import summary_markdown
 from asmc_pin.study.theorems import judge_theorems
 from asmc_pin.study.tool import add_tool_columns, add_tool_error
+from asmc_pin.text import printable
 from asmc_pin.tool_error import ToolError, tool_error
 
 Progress = Callable[[str, float], None]
@@ -117,9 +121,11 @@ def compare(
     # For who reads the result back: the report, and a person with the trajectories alone.
     comparison.dataset.attrs |= {"warnings": "\n".join(warnings), "notes": "\n".join(comparison.notes)}
     with results.whole_or_not_at_all(folder, force) as made:
-        _write(comparison, plant, made, started, seconds, tell)
+        lost = _write(comparison, plant, made, started, seconds, tell)
+    for line in lost:
+        say(line)
     tell("done", 1.0)
-    return comparison
+    return replace(comparison, warnings=(*comparison.warnings, *lost))
 
 
 def _runs(
@@ -198,8 +204,12 @@ def _run(
 
 def _write(
     comparison: Comparison, plant: Plant, folder: Path, started: datetime, seconds: dict[str, float], tell: Progress
-) -> None:
-    """Every file of the result, into an empty folder."""
+) -> list[str]:
+    """Every file of the result, into an empty folder; what was run first, and then what is drawn of it.
+
+    Returns:
+        What could not be drawn, in words: a run that may have taken hours is not lost over a picture.
+    """
     from asmc_pin.report.html import report_html
 
     experiment, arm, rows = comparison.experiment, comparison.arm, comparison.rows
@@ -212,13 +222,29 @@ def _write(
     (folder / "summary.md").write_text(summary_markdown(comparison), encoding="utf-8")
     latex = "\n".join([latex_table(rows), theorems_latex(comparison.theorems.claims, comparison.about.title)])
     (folder / "summary.tex").write_text(latex, encoding="utf-8")
-    tell("figures", _SIMULATION + 0.03)
-    draw_figures(comparison.dataset, folder / "figures", np.asarray(plant.effort_limit))
     comparison.theorems.write(folder)
+    figures = folder / "figures"
+    tell("figures", _SIMULATION + 0.03)
+    lost = _drawn("figures", lambda: draw_figures(comparison.dataset, figures, np.asarray(plant.effort_limit)))
+    lost += _drawn("the theorems' figure", lambda: comparison.theorems.draw(figures))
     tell("report", _SIMULATION + 0.12)
     _write_provenance(experiment, arm, folder, started, seconds)
-    report_html(results.load_result(folder), folder / "report.html")
+    # The result is our own, and as large as the run was.
+    own = functools.partial(results.load_result, folder, largest=math.inf)
+    lost += _drawn("report.html", lambda: report_html(own(), folder / "report.html"))
     _write_provenance(experiment, arm, folder, started, seconds)
+    return lost
+
+
+def _drawn(what: str, draw: Callable[[], object]) -> list[str]:
+    try:
+        draw()
+    except OSError:
+        raise  # a full disk has no room for the result either
+    except Exception as error:
+        said = printable(" ".join(str(error).split()))
+        return [f"{what} could not be drawn ({type(error).__name__}: {said}); the result itself is whole"]
+    return []
 
 
 def _write_provenance(

@@ -32,10 +32,13 @@ class Theorems:
     dataset: xr.Dataset
 
     def write(self, folder: Path) -> None:
-        """Rows, arrays and the figure, into a result's folder."""
+        """Rows and arrays, into a result's folder."""
         results.write_summary(self.claims, folder / results.CLAIMS)
         results.write_trajectories(self.dataset, folder / results.MONITORS)
-        draw_theorems(self.dataset, folder / "figures")
+
+    def draw(self, folder: Path) -> None:
+        """The figure, into a folder of figures."""
+        draw_theorems(self.dataset, folder)
 
     def of_first_trial(self, controller: str) -> dict[str, Any]:
         """The verdicts on one controller, for JSON; figures that are not defined are None."""
