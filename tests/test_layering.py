@@ -171,6 +171,37 @@ def test_a_part_imports_only_from_the_parts_before_it(part: str) -> None:
     assert not wrong
 
 
+def test_the_checker_of_certificates_shares_nothing_with_the_prover_but_the_file() -> None:
+    own = "asmc_pin.condition.check"
+    shared = (
+        "asmc_pin.condition.certificate.container",
+        "asmc_pin.condition.hypotheses",
+        *(f"asmc_pin.{name}" for name in ("_typing", "errors", "text")),
+    )
+    seen = {
+        target
+        for module, path in sources()
+        if f"{module}.".startswith(f"{own}.")
+        for target in imports_of(module, path)
+        if target.split(".")[0] in ("asmc_pin", "pinocchio", "numba", "scipy", "cvxpy")
+    }
+    wrong = {target for target in seen if not any(f"{target}.".startswith(f"{name}.") for name in (own, *shared))}
+    assert not wrong
+    # That there is something to see.
+    assert any(target.startswith(shared[0]) for target in seen)
+
+
+def test_balls_know_nothing_of_the_bounds_of_boxes() -> None:
+    check = ROOT / "condition" / "check"
+    wrong = [
+        f"{name} imports {target}"
+        for name in ("balls", "ball_geometry", "witness", "urdf_text", "contents")
+        for target in imports_of(f"asmc_pin.condition.check.{name}", check / f"{name}.py")
+        if any(part in target for part in ("box_bounds", "quadratic_form", "bisection", "statements"))
+    ]
+    assert not wrong
+
+
 def test_control_laws_see_numpy_and_nothing_of_the_arm() -> None:
     allowed = (sys.stdlib_module_names - {"importlib", "ctypes", "subprocess", "socket"}) | {"numpy"}
     own = ("asmc_pin.errors", "asmc_pin._typing", "asmc_pin.controllers")

@@ -42,14 +42,14 @@ def _surely(A: Array, size: Array) -> BoolArray:
     return good & (least > _TOLERANCE)
 
 
-def _eliminated(A: Array, columns: Array, own: Array) -> tuple[Array, BoolArray]:
+def _eliminated(A: Array, columns: Array, own: Array, own_size: Array) -> tuple[Array, BoolArray]:
     """The minimum over x of [twist + columns x]ᵀ A [twist + columns x] + xᵀ own x, from below; and where it exists."""
     bordered = np.concatenate((np.eye(A.shape[-1]), columns), axis=1)
     B = bordered.T @ A @ bordered
     m = A.shape[-1]
     B[..., m:, m:] += own
     size = (np.abs(bordered).T @ np.abs(A) @ np.abs(bordered)).sum(axis=-1)
-    size[..., m:] += np.abs(own).sum(axis=-1)
+    size[..., m:] += own_size
     good = np.ones(A.shape[:-2], dtype=np.bool_)
     B = _lowered(B, size)
     for k in range(B.shape[-1] - 1, m - 1, -1):
@@ -79,7 +79,9 @@ def _harmonics(form: Form, i: int, c: Array, F: Array) -> tuple[Array, Array]:
     at = np.array([-1.0, 0.0, 1.0]) if slides else 2.0 * np.pi * np.arange(5) / 5.0
     X = form.lift(form.chain.transform(i, c[None, :] + at[:, None]))[:, :, None]
     G = transposed(X) @ F[None] @ X
-    size = (np.abs(transposed(X)) @ np.abs(F)[None] @ np.abs(X)).sum(axis=-1).max(axis=0) * (4.0 if slides else 2.0)
+    size = (np.abs(transposed(X)) @ np.abs(F)[None] @ np.abs(X)).sum(axis=-1).max(axis=0)
+    # An angle is rounded at its own size, and a form turns by as much as that.
+    size = size * (4.0 if slides else 2.0 + np.abs(c)[:, None, None])
     if slides:
         return np.stack((G[1], 0.5 * (G[2] - G[0]), 0.5 * (G[2] + G[0]) - G[1])), size
     basis = np.stack((np.full(5, 0.5), np.cos(at), np.sin(at), np.cos(2 * at), np.sin(2 * at))) * 0.4
@@ -126,8 +128,9 @@ def _ends(
     else:
         cosine, sine = np.cos(wide), np.sin(wide)
         kappa = 2.0 * np.sin(0.5 * wide) ** 2
-        x = np.minimum(0.25 * (cosine + np.sqrt(cosine**2 + 8.0)), 1.0)
-        third = (x - cosine) * np.sqrt(np.maximum(1.0 - x * x, 0.0))
+        # The largest (cos δ − cos r) |sin δ|, by y = 1 − cos δ, which keeps its digits in narrow cells.
+        y = 2.0 * kappa / (3.0 + kappa + np.sqrt((3.0 + kappa) ** 2 - 8.0 * kappa))
+        third = (kappa - y) * np.sqrt(y * (2.0 - y))
         first, good = _covering(C[1] + (2.0 + 2.0 * cosine) * C[3], False, root, inverse, size)
         second, sure = _covering(C[4], True, root, inverse, size)
         curved, also = _covering(-C[3], False, root, inverse, size)
@@ -160,7 +163,7 @@ def holds(form: Form, c: Array, r: Array) -> tuple[BoolArray, Array, Array]:
     good = np.ones((B, 1), dtype=np.bool_)
     cost = np.zeros((B, n))
     for i in range(n - 1, -1, -1):
-        F, fine = _eliminated(forms[i], form.columns(i), form.own[i])
+        F, fine = _eliminated(forms[i], form.columns(i), form.own[i], form.own_size[i])
         good = good & fine
         parent = chain.parent[i]
         if parent < 0:
@@ -188,9 +191,8 @@ def _follow(form: Form, A: Array, F: Array) -> BoolArray:
     s = form.columns(0)
     C = s.T @ C @ s
     C[0] += s.T @ A @ s + form.own[0]
-    error = ((np.abs(s).T ** 2 @ (size + np.abs(A).sum(axis=-1))[..., None]).sum(axis=(-1, -2))) + np.abs(
-        form.own[0]
-    ).sum()
+    taken = size + np.abs(A).sum(axis=-1)
+    error = (np.abs(s).T ** 2 @ taken[..., None]).sum(axis=(-1, -2)) + form.own_size[0].sum()
     norm = np.linalg.norm(C, axis=(-1, -2))
     curvature = norm[1] + norm[2] + 4.0 * (norm[3] + norm[4])
     margin = 8.0 * _TOLERANCE * (error + norm.sum(axis=0))

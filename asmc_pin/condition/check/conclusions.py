@@ -5,6 +5,7 @@ The figures and the verdict that are printed are these; what the header says of 
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -55,8 +56,10 @@ class Conclusion:
 def conclude(told: Contents, witness: Witness) -> Conclusion:
     """What follows from the statements, if all of them are true, and from the configurations."""
     scales, uppers = [], []
-    for index, case in enumerate(told.cases):
-        own = [statement for statement in told.statements if statement.case == index]
+    by_case: list[list[Statement]] = [[] for _ in told.cases]
+    for statement in told.statements:
+        by_case[statement.case].append(statement)
+    for own, case in zip(by_case, told.cases, strict=True):
         scale = _scale(told.condition, own, case)
         bounds = [1.0] if scale >= 1.0 else []
         level = _level(told.condition, own, case)
@@ -83,10 +86,10 @@ def disagreements(told: Contents, found: Conclusion) -> list[str]:
         said.append(f"nothing in the file proves that the norm is at most {told.upper:.9g}")
     if found.scale_refuted is None:
         said.append(f"the counter-example to the scale {told.scale_refuted:.9g} is none")
-    elif found.scale_proven > 0.0 and found.scale_refuted <= found.scale_proven:
+    elif found.scale_refuted <= (proven := max(found.scale_proven, 0.0 if found.upper is None else 1.0)) > 0.0:
         said.append(
-            f"the scale {found.scale_proven:.9g} is proven and {found.scale_refuted:.9g} refuted, which cannot both "
-            "be: please report it"
+            f"the scale {proven:.9g} is proven and {found.scale_refuted:.9g} refuted, which cannot both be: please "
+            "report it"
         )
     if found.upper is not None and found.lower >= found.upper:
         said.append(
@@ -134,7 +137,9 @@ def _level(condition: str, own: Sequence[Statement], case: Case) -> float | None
     at = [s for s in own if s.scale == 1.0]
     levels = sorted({s.level for s in at if s.level < 1.0})
     covers = _weighted_level if condition == "weighted" else _lemma1_level
-    return next((level for level in levels if covers([s for s in at if s.level <= level], case)), None)
+    # What a level covers, every higher one does.
+    first = bisect_left(levels, True, key=lambda level: covers([s for s in at if s.level <= level], case))
+    return levels[first] if first < len(levels) else None
 
 
 def _weighted_level(statements: Sequence[Statement], case: Case) -> bool:

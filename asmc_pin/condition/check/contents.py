@@ -27,6 +27,9 @@ from asmc_pin.text import printable
 _ROUNDED = 1e-9
 """Of a payload's largest principal moment: digits that somebody may have rounded."""
 
+_LARGEST = 1e30
+"""Of what is given in hexadecimal, in SI units; what is larger measures nothing, and its square may be no float."""
+
 _HEX = re.compile(r"-?0x[01]\.?[0-9a-f]{0,13}p[+-][0-9]{1,4}")
 
 
@@ -49,9 +52,9 @@ def _from_hex(value: object) -> float:
     try:
         number = float.fromhex(value)
     except OverflowError:
-        raise ValueError("a finite number expected") from None
-    if not math.isfinite(number):
-        raise ValueError("a finite number expected")
+        number = math.inf
+    if abs(number) > _LARGEST:
+        raise ValueError(f"a number of at most {_LARGEST:g} expected")
     return number
 
 

@@ -27,6 +27,7 @@ class Form:
         pairing: How the p twists of a body enter, shape (p, p).
         mixing: How the e velocities of a joint enter the p twists, shape (n, p, e).
         own: Shape (n, e, e).
+        own_size: Row sums of the magnitudes that took part in `own`, which may be far above what is left, (n, e).
         exact: Whether joint 1 is followed over `range_1` and not cut into cells.
         range_1: Its range, rad.
     """
@@ -35,6 +36,7 @@ class Form:
     pairing: Array
     mixing: Array
     own: Array
+    own_size: Array
     exact: bool
     range_1: tuple[float, float]
 
@@ -70,14 +72,16 @@ def form_of(chain: Chain, mbar: Array, statement: Statement, lower: Array, upper
     root = np.sqrt(mbar)
     if kind in ("weighted", "bounded"):
         pairing, mixing = np.array([[1.0 if kind == "weighted" else -1.0]]), np.ones((n, 1, 1))
-        own = armature - f * mbar / (1.0 + gamma) if kind == "weighted" else f * mbar / (1.0 - gamma) - armature - slack
-        own = own[:, None, None]
+        share = f * mbar / (1.0 + gamma if kind == "weighted" else 1.0 - gamma)
+        own = (armature - share if kind == "weighted" else share - armature - slack)[:, None, None]
+        own_size = (share + armature + slack)[:, None]
     else:
         pairing, middle = np.array([[0.0, 1.0], [1.0, 0.0]]), float(np.exp(np.log(root).mean()))
         mixing = np.stack((root / middle, middle / root), axis=1)[:, :, None]
         own = (2.0 * armature - f * mbar)[:, None, None]
+        own_size = (2.0 * armature + f * mbar)[:, None]
         if kind == "level":
-            s = float(np.sqrt(1.0 - gamma * gamma))
+            s = float(np.sqrt((1.0 - gamma) * (1.0 + gamma)))
             mixing = np.concatenate((mixing, mixing * np.array([[0.0], [s]])), axis=2)
             own = np.zeros((n, 2, 2))
             # Over the armature's range the 2 × 2 part loses no more than this much along its negative direction.
@@ -85,10 +89,11 @@ def form_of(chain: Chain, mbar: Array, statement: Statement, lower: Array, upper
             own[:, 0, 0], own[:, 1, 1] = 2.0 * armature - f * mbar, f * mbar
             own[:, 0, 1] = own[:, 1, 0] = s * armature
             own -= (slack * abs(float(least)))[:, None, None] * np.outer(direction, direction)
+            own_size = np.repeat(own_size, 2, axis=1) + (s * armature + 2.0 * slack)[:, None]
     exact = bool(n > 1 and chain.parent[1] == 0 and not chain.slides[1])
     # One turn of it is all there is.
     range_1 = (float(lower[1]), min(float(upper[1]), float(lower[1]) + _TURN)) if exact else (0.0, 0.0)
-    return Form(chain, pairing, mixing, own, exact, range_1)
+    return Form(chain, pairing, mixing, own, own_size, exact, range_1)
 
 
 def joint_space(form: Form, q: Array) -> Array:

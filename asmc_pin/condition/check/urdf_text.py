@@ -115,6 +115,11 @@ def description(text: str) -> Description:
     roots = [name for name in bodies if name not in carried]
     if len(roots) != 1:
         raise Unreadable(f"the URDF has {len(roots)} links that nothing carries, one expected")
+    reached = list(roots)
+    for name in reached:
+        reached += [joint.child for joint in children.get(name, ())]
+    if len(reached) != len(bodies):
+        raise Unreadable("the URDF has joints that go round in a circle")
     return Description(_name(root), roots[0], bodies, children)
 
 
