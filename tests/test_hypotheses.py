@@ -194,15 +194,14 @@ def test_a_follower_of_a_locked_joint_is_locked_together_with_it(tmp_path: Path)
 
 
 def test_names_pass_no_control_characters(tmp_path: Path) -> None:
-    evil = "a\x1b[2Jb\nc"
-    written = evil.replace("\x1b", "\u009b").replace("\n", "&#10;")  # XML has no escape, but a C1 control does the same
-    text = robot(link("base"), link("arm", inertial()), joint(written, "base", "arm"))
-    report = verify(load_arm(write(tmp_path, text)), 0.001, samples=16)
-    said = json.dumps(report.to_json_dict(), ensure_ascii=False) + "\n".join(report.hypotheses.lines()).replace(
-        "\n", ""
-    )
-    assert "\x9b" not in said
-    assert "\n" not in said
+    # The loader refuses such names; who makes hypotheses of a stranger's file may meet them all the same.
+    evil = "a\x1b[2Jb\nc\x9b2J"
+    text = robot(link("base"), link("arm", inertial()), joint("j", "base", "arm"))
+    about = verify(load_arm(write(tmp_path, text)), 0.001, samples=16).hypotheses
+    about = replace(about, arm=evil, joints=(evil,), locked={evil: 0.0}, box={evil: about.box["j"]})
+    said = json.dumps(about.to_json_dict(), ensure_ascii=False) + "".join(about.lines()) + about.title
+    assert "a\\x1b[2Jb\\x0ac\\x9b2J" in said
+    assert not {"\x1b", "\x9b", "\n"} & set(said)
 
 
 # One change each: what a search and a proof may not differ in.

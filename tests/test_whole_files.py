@@ -19,8 +19,6 @@ from asmc_pin.errors import ResultError
 from asmc_pin.files import check_writable, remove_leftovers, whole_folder, write_whole
 from asmc_pin.results import check_target
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="locks and signals of POSIX")
-
 
 def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
