@@ -6,6 +6,7 @@ Judged by exact fractions, by balls of 300 bits, or on trigonometric polynomials
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -116,6 +117,20 @@ def test_the_share_of_the_magnitudes_is_taken_off_the_joints_own_form_too() -> N
     assert few[0, 1] - many[0, 1] == pytest.approx(1e6 * TOLERANCE / 9.0, rel=0.01)
 
 
+def test_elimination_takes_off_the_tolerance_of_all_that_took_part() -> None:
+    rng = np.random.default_rng(10)
+    for _ in range(20):
+        A = rng.normal(size=(6, 6))
+        A = A + A.T
+        columns, own = rng.normal(size=(6, 1)), np.array([[50.0]])
+        F, good = bounds._eliminated(A, columns, own, np.array([50.0]))
+        assert good
+        row, pivot = (A @ columns)[:, 0], float((columns.T @ A @ columns)[0, 0]) + 50.0
+        taken = np.diag(A - np.outer(row, row) / pivot - F)
+        sizes = np.abs(A).sum(axis=1) + np.abs(row) * np.abs(row).sum() / pivot
+        assert np.all(taken >= TOLERANCE * sizes * 0.99)
+
+
 # Harmonics ----------------------------------------------------------------------------------------------------------
 
 
@@ -151,8 +166,8 @@ def test_harmonics_give_the_turned_form_and_their_size_bounds_what_rounding_lost
     rng = np.random.default_rng(3)
     form, rows = two_joints(p, slides=slides), range(6 * p)
     # What stands here as an axis is no unit vector to the last digit, and a trigonometric polynomial all the same.
-    for _ in range(4):
-        F, c = random_form(rng, 6 * p), rng.uniform(-far, far, 1)
+    for share in (0.0, *rng.uniform(-1.0, 1.0, 3)):
+        F, c = random_form(rng, 6 * p), np.array([share * far])
         C, size = bounds._harmonics(form, 1, c, F[None, None])
         for at in (*rng.uniform(-3.0, 3.0, 3), 0.0):
             with ctx.workprec(300):
@@ -352,6 +367,27 @@ def test_a_cell_wider_than_that_is_below_its_mean_by_each_harmonic(
     assert np.linalg.eigvalsh(ends[0]) == pytest.approx([0.0, 0.0], abs=2e-9)
 
 
+@pytest.mark.parametrize(("r", "slides", "terms"), [(0.5, True, 1), (0.5, False, 3), (2.0, False, 4)])
+def test_a_loss_is_sure_only_if_each_of_its_terms_is(
+    r: float, slides: bool, terms: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    covering = bounds._covering
+    form, one = two_joints(slides=slides), np.eye(6)[None]
+    F = random_form(np.random.default_rng(11), 6)[None, None]
+    for failing in range(terms + 1):
+        calls: list[int] = []
+
+        def some(*given: Any, failing: int = failing, calls: list[int] = calls) -> tuple[Array, Array]:
+            P, good = covering(*given)
+            calls.append(len(calls))
+            return P, good & (calls[-1] != failing)
+
+        monkeypatch.setattr(bounds, "_covering", some)
+        good = bounds._ends(form, 1, np.zeros(1), np.array([r]), F, one, one)[2]
+        assert len(calls) == terms
+        assert bool(good.all()) == (failing == terms)
+
+
 @pytest.mark.parametrize("r", RADII)
 def test_a_slide_loses_the_square_of_its_width(r: float, monkeypatch: pytest.MonkeyPatch) -> None:
     C = _only(2, H, 3) + _only(1, np.array([[0.3, 0.2], [0.2, -0.1]]), 3) + _only(0, np.eye(2), 3)
@@ -406,6 +442,7 @@ def _followed(
     own: Array | None = None,
     own_size: float = 0.0,
     A: float = 0.0,
+    column: float = 1.0,
 ) -> bool:
     """Whether a polynomial of e × e coefficients passes as positive over a range."""
     e = C.shape[-1]
@@ -419,7 +456,7 @@ def _followed(
         exact=True,
         range_1=(lower, upper),
     )
-    monkeypatch.setattr(Form, "columns", lambda self, i: np.eye(6)[:, :e])
+    monkeypatch.setattr(Form, "columns", lambda self, i: column * np.eye(6)[:, :e])
     return bool(bounds._follow(form, A * np.eye(6)[None, None], np.zeros((1, 1, 6, 6)))[0, 0])
 
 
@@ -428,9 +465,8 @@ def _followed(
 def test_a_polynomial_that_dips_below_zero_between_two_points_of_the_grid_does_not_pass(
     frequency: int, phase: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    C = np.zeros((5, 1, 1))
-    C[0] = 1.0
-    C[2 * frequency - 1], C[2 * frequency] = -np.cos(phase), -np.sin(phase)
+    C, amplitude = np.zeros((5, 1, 1)), 100.0
+    C[2 * frequency - 1], C[2 * frequency] = -amplitude * np.cos(phase), -amplitude * np.sin(phase)
     lowest = phase / frequency
     for cells, span in ((64, 3.0), (64, 0.7), (512, 1.3)):
         h = span / cells
@@ -438,10 +474,10 @@ def test_a_polynomial_that_dips_below_zero_between_two_points_of_the_grid_does_n
         lower = lowest - (cells // 2 - 0.5) * h
         upper = lower + span
         depth = 1e-3 * (frequency * h) ** 2
-        C[0] = 1.0 - depth
+        C[0] = amplitude * (1.0 - depth)
         assert not _followed(C, lower, upper, monkeypatch)
         # And one that stays above by as little passes.
-        C[0] = 1.0 + depth
+        C[0] = amplitude * (1.0 + depth)
         assert _followed(C, lower, upper, monkeypatch)
 
 
@@ -477,6 +513,8 @@ def test_what_is_within_rounding_of_zero_does_not_pass(monkeypatch: pytest.Monke
         assert _followed(below, -1.0, 1.0, monkeypatch, A=1.0) == passes
         assert _followed(below, -1.0, 1.0, monkeypatch, own=np.eye(1), own_size=1.0) == passes
         assert _followed(small, -1.0, 1.0, monkeypatch, own_size=1.0) == passes
+        # A velocity that counts tenfold in the twist counts a hundredfold in the form, and so does its rounding.
+        assert _followed(small, -1.0, 1.0, monkeypatch, size=1.0, column=10.0) == passes
 
 
 def test_the_base_body_and_its_own_form_belong_to_what_is_followed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -553,6 +591,28 @@ def test_at_one_configuration_a_proof_is_as_strong_as_the_truth(kind: str) -> No
                 continue
             form = form_of(_chain(q.tree), q.mbar, _parsed(q.statement(x)), q.lower, q.upper)
             assert bool(bounds.holds(form, q.lower[None], 0.0 * q.lower[None])[0][0]) == proven, (seed, share)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_matrix_on_the_way_is_lowered_by_its_own_magnitudes_at_least(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lower_it, seen = bounds._lowered, []
+
+    def watched(A: Array, size: Array) -> Array:
+        seen.append(bool(np.all(size >= np.abs(A).sum(axis=-1) * (1.0 - 1e-6))))
+        return lower_it(A, size)
+
+    monkeypatch.setattr(bounds, "_lowered", watched)
+    for seed in range(6):
+        q = question(seed, kind, largest=4)  # type: ignore[arg-type]
+        if q is None:
+            continue
+        form = form_of(_chain(q.tree), q.mbar, _parsed(q.statement(0.5 * q.worst)), q.lower, q.upper)
+        still = np.where(q.tree.parent < 0, 0.0, 0.05)[None]
+        bounds.holds(form, 0.5 * (q.lower + q.upper)[None], still)
+    assert len(seen) > 10
+    assert all(seen)
 
 
 def test_boxes_together_are_judged_as_each_alone() -> None:

@@ -96,10 +96,10 @@ def test_a_statement_with_slack_implies_it_at_every_armature_of_the_range(kind: 
 
 
 def test_the_slack_is_replayed_larger_than_a_range_is_rounded() -> None:
-    chain, _ = arm(3, 2)
-    low, high = np.array([0.1, 1e3]), np.array([0.3, 1e3 + 0.1])
-    said = parsed_statement(2, "bounded", armature=low, slack=high - low)
-    form = form_of(chain, np.ones(2), said, np.zeros(2), np.ones(2))
+    chain, _ = arm(3, 3)
+    low, high = np.array([0.1, 1e3, 1e-3]), np.array([0.3, 1e3 + 0.1, 1e3])
+    said = parsed_statement(3, "bounded", armature=low, slack=high - low)
+    form = form_of(chain, np.ones(3), said, np.zeros(3), np.ones(3))
     for own, end in zip(form.own[:, 0, 0], high, strict=True):
         # Upper ends that are two units of rounding above are inside.
         assert Fraction(float(own)) <= 2 - Fraction(float(end)) * (1 + Fraction(1, 2**51))
@@ -108,13 +108,20 @@ def test_the_slack_is_replayed_larger_than_a_range_is_rounded() -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_magnitudes_of_a_joints_own_form_are_those_before_they_cancel(kind: str) -> None:
     chain, _ = arm(3, 2)
-    large = 1e6
-    slack = [1.0, 1.0] if kind in ("bounded", "level") else [0.0, 0.0]
-    said = parsed_statement(2, kind, armature=[large, large], slack=slack)
-    form = form_of(chain, np.full(2, 2.0 * large), said, np.zeros(2), np.ones(2))
-    assert np.all(form.own_size >= large + np.array(slack)[:, None])
-    assert np.all(form.own_size >= np.abs(form.own).sum(axis=2))
-    assert np.all(form.own_size <= 16.0 * large)
+    ranged = kind in ("bounded", "level")
+    # Each of what takes part is the larger one in turn.
+    for armature, m, slack in ((1e6, 1.0, 0.0), (1.0, 1e6, 0.0), (1.0, 1.0, 1e6), (1e6, 2e6, 1.0)):
+        slack *= ranged
+        said = parsed_statement(2, kind, scale=0.5, armature=[armature] * 2, slack=[slack] * 2)
+        form = form_of(chain, np.full(2, m), said, np.zeros(2), np.ones(2))
+        first = {"weighted": armature + 0.25 * m, "bounded": armature + m + slack}.get(kind, 2.0 * armature + 0.5 * m)
+        assert np.all(form.own_size >= (first + slack) / (1.0 + (kind == "bounded")) * (1.0 - 1e-12))
+        assert np.all(form.own_size[:, 0] >= first * (1.0 - 1e-12))
+        assert np.all(form.own_size >= np.abs(form.own).sum(axis=2) * (1.0 - 1e-12))
+        if kind == "level":
+            second = np.sqrt(0.75) * armature + 0.5 * m + slack
+            assert np.all(form.own_size[:, 1] >= second * (1.0 - 1e-12))
+        assert np.all(form.own_size <= 4.0 * (armature + m + slack))
 
 
 @pytest.mark.parametrize(
@@ -139,6 +146,16 @@ def test_only_a_second_joint_that_turns_on_the_first_is_followed(
     form = form_of(chain, np.ones(n), parsed_statement(n, "weighted"), lower, upper)
     assert form.exact is exact
     assert form.range_1 == ((-2.0, 3.0) if exact else (0.0, 0.0))
+
+
+@pytest.mark.parametrize("lower", [-10.0, -3.0, 1.0, 100.0])
+def test_of_a_range_of_more_than_a_turn_one_turn_is_followed(lower: float) -> None:
+    chain, _ = arm(2, 2)
+    for width in (0.0, 1.0, 6.28, 6.29, 20.0):
+        ends = np.array([0.0, lower]), np.array([0.0, lower + width])
+        start, end = form_of(chain, np.ones(2), parsed_statement(2, "weighted"), *ends).range_1
+        assert start == lower
+        assert end == lower + width if width < 6.283 else lower + 2.0 * np.pi <= end <= lower + 6.2832
 
 
 @pytest.mark.parametrize("kind", KINDS)
