@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import functools
+import importlib
 import multiprocessing
 import shlex
 import shutil
@@ -43,14 +44,19 @@ class Tried:
     faults: list[Fault]
 
 
+DRAWING = {
+    "asmc_pin.study.compare": "draw_figures",
+    "asmc_pin.study.theorems": "draw_theorems",
+    "asmc_pin.report.html": "report_html",
+}
+"""What draws, and the module where it is looked up."""
+
+
 def undrawn() -> None:
     """Compare without figures and page."""
-    module = sys.modules["asmc_pin.study.compare"]
-    assert hasattr(module, "draw_figures")
-    module.draw_figures = lambda *_, **__: []
-    import asmc_pin.report.html as page
-
-    page.report_html = lambda *_, **__: None
+    for module, what in DRAWING.items():
+        assert hasattr(importlib.import_module(module), what)
+        setattr(sys.modules[module], what, lambda *_, **__: [])
 
 
 def trial(kind: str, seed: int, index: int, sound: Any, scratch: Path) -> Tried:

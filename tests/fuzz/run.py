@@ -7,6 +7,7 @@ import os
 import resource
 import signal
 import sys
+import tempfile
 import time
 import traceback
 from collections.abc import Callable
@@ -100,7 +101,7 @@ def _work(
     after: Callable[[int, str], list[str]] | None,
 ) -> None:
     (scratch / "tmp").mkdir(exist_ok=True)
-    os.environ["TMPDIR"] = str(scratch / "tmp")
+    tempfile.tempdir = os.environ["TMPDIR"] = str(scratch / "tmp")
     os.chdir(scratch / "work")
     trace = files["trace"].open("w", encoding="utf-8", errors="backslashreplace")
     nothing = os.open(os.devnull, os.O_RDONLY)
