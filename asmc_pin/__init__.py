@@ -10,69 +10,300 @@ from asmc_pin.lazy import load_on_first_use
 TYPE_CHECKING = False  # without the cost of importing typing
 
 if TYPE_CHECKING:
+    from asmc_pin.agreement import AgreementReport as AgreementReport
+    from asmc_pin.agreement import agree as agree
     from asmc_pin.arms import Arm as Arm
+    from asmc_pin.arms import Payload as Payload
+    from asmc_pin.arms import arm_names as arm_names
     from asmc_pin.arms import load_arm as load_arm
+    from asmc_pin.arms.options import Unchanged as Unchanged
+    from asmc_pin.baselines import BASELINES as BASELINES
+    from asmc_pin.baselines import ModelLaw as ModelLaw
     from asmc_pin.condition import ConditionReport as ConditionReport
-    from asmc_pin.condition import DesignReport as DesignReport
+    from asmc_pin.condition import Recording as Recording
+    from asmc_pin.condition import certified as certified
     from asmc_pin.condition import design as design
     from asmc_pin.condition import lemma1_norm as lemma1_norm
+    from asmc_pin.condition import read_recording as read_recording
     from asmc_pin.condition import verify as verify
+    from asmc_pin.condition import weighted_norm as weighted_norm
+    from asmc_pin.condition.certificate import CertificateResult as CertificateResult
+    from asmc_pin.condition.certificate import ProofProgress as ProofProgress
+    from asmc_pin.condition.certificate import certify as certify
+    from asmc_pin.condition.check import CheckedStatement as CheckedStatement
+    from asmc_pin.condition.check import CheckResult as CheckResult
+    from asmc_pin.condition.check import check as check
+    from asmc_pin.condition.check.conclusions import Conclusion as Conclusion
+    from asmc_pin.condition.check.spot_checks import Spots as Spots
+    from asmc_pin.condition.design_report import ArmaturePurchase as ArmaturePurchase
+    from asmc_pin.condition.design_report import DesignLimit as DesignLimit
+    from asmc_pin.condition.design_report import DesignPoint as DesignPoint
+    from asmc_pin.condition.design_report import DesignReport as DesignReport
+    from asmc_pin.condition.design_report import WeightedDesign as WeightedDesign
+    from asmc_pin.condition.gains import GainDesign as GainDesign
+    from asmc_pin.condition.gains import suggest_gains as suggest_gains
+    from asmc_pin.condition.hypotheses import Carried as Carried
+    from asmc_pin.condition.hypotheses import Hypotheses as Hypotheses
+    from asmc_pin.condition.hypotheses import Premises as Premises
+    from asmc_pin.condition.stability import LoopLimits as LoopLimits
+    from asmc_pin.condition.stability import SampledLoop as SampledLoop
+    from asmc_pin.condition.stability import StabilityReport as StabilityReport
+    from asmc_pin.condition.stability import stability as stability
     from asmc_pin.controllers import CONTROLLERS as CONTROLLERS
+    from asmc_pin.controllers import AdaptiveState as AdaptiveState
+    from asmc_pin.controllers import Choice as Choice
     from asmc_pin.controllers import Controller as Controller
+    from asmc_pin.controllers import OptionalScalar as OptionalScalar
+    from asmc_pin.controllers import PerJoint as PerJoint
     from asmc_pin.controllers import Sample as Sample
+    from asmc_pin.controllers import Scalar as Scalar
     from asmc_pin.controllers import Setpoint as Setpoint
+    from asmc_pin.controllers import TdeLaw as TdeLaw
+    from asmc_pin.controllers import TdeState as TdeState
+    from asmc_pin.controllers.parameters import Values as Values
+    from asmc_pin.errors import ArmError as ArmError
     from asmc_pin.errors import AsmcPinError as AsmcPinError
+    from asmc_pin.errors import ExperimentError as ExperimentError
+    from asmc_pin.errors import MissingDependencyError as MissingDependencyError
+    from asmc_pin.errors import NotComparableError as NotComparableError
+    from asmc_pin.errors import NotPositiveDefinite as NotPositiveDefinite
+    from asmc_pin.errors import ParameterError as ParameterError
+    from asmc_pin.errors import ResultError as ResultError
     from asmc_pin.experiment import Experiment as Experiment
+    from asmc_pin.experiment import experiment_names as experiment_names
     from asmc_pin.experiment import load_experiment as load_experiment
+    from asmc_pin.metrics import METRICS as METRICS
+    from asmc_pin.metrics import Metric as Metric
+    from asmc_pin.metrics import MetricSettings as MetricSettings
+    from asmc_pin.metrics import evaluate as evaluate
+    from asmc_pin.plant import Disturbance as Disturbance
+    from asmc_pin.plant import Drive as Drive
+    from asmc_pin.plant import EndStops as EndStops
+    from asmc_pin.plant import Friction as Friction
+    from asmc_pin.plant import Motion as Motion
+    from asmc_pin.plant import PayloadChange as PayloadChange
     from asmc_pin.plant import Plant as Plant
+    from asmc_pin.plant import Sensor as Sensor
+    from asmc_pin.plant import Spread as Spread
+    from asmc_pin.plant.parameters import OptionalPerJoint as OptionalPerJoint
+    from asmc_pin.references import REFERENCES as REFERENCES
+    from asmc_pin.references import Reference as Reference
+    from asmc_pin.report.tables import Table as Table
+    from asmc_pin.results import Result as Result
+    from asmc_pin.results import load_result as load_result
+    from asmc_pin.rollout import LimitViolation as LimitViolation
     from asmc_pin.rollout import Rollout as Rollout
     from asmc_pin.rollout import rollout as rollout
-    from asmc_pin.study.compare import compare as compare
-    from asmc_pin.study.comparison import Comparison as Comparison
+    from asmc_pin.study import Comparison as Comparison
+    from asmc_pin.study import compare as compare
+    from asmc_pin.study.notes import Lemma1Range as Lemma1Range
+    from asmc_pin.study.refine import Refinement as Refinement
+    from asmc_pin.study.reproduce import Reproduction as Reproduction
+    from asmc_pin.study.reproduce import reproduce as reproduce
+    from asmc_pin.study.theorems import Theorems as Theorems
+    from asmc_pin.study.view import view as view
+    from asmc_pin.tool_error import ToolError as ToolError
 
-load_on_first_use(
-    __name__,
-    {
-        "Arm": "arms",
-        "AsmcPinError": "errors",
-        "CONTROLLERS": "controllers",
-        "Comparison": "study",
-        "ConditionReport": "condition",
-        "DesignReport": "condition",
-        "Controller": "controllers",
-        "Experiment": "experiment",
-        "Plant": "plant",
-        "Rollout": "rollout",
-        "Sample": "controllers",
-        "Setpoint": "controllers",
-        "compare": "study",
-        "design": "condition",
-        "lemma1_norm": "condition",
-        "load_arm": "arms",
-        "load_experiment": "experiment",
-        "rollout": "rollout",
-        "verify": "condition",
-    },
-)
+_HOME = {
+    "AdaptiveState": "controllers",
+    "AgreementReport": "agreement",
+    "Arm": "arms",
+    "ArmError": "errors",
+    "ArmaturePurchase": "condition.design_report",
+    "AsmcPinError": "errors",
+    "BASELINES": "baselines",
+    "CONTROLLERS": "controllers",
+    "Carried": "condition.hypotheses",
+    "CertificateResult": "condition.certificate",
+    "CheckResult": "condition.check",
+    "CheckedStatement": "condition.check",
+    "Choice": "controllers",
+    "Comparison": "study",
+    "Conclusion": "condition.check.conclusions",
+    "ConditionReport": "condition",
+    "Controller": "controllers",
+    "DesignLimit": "condition.design_report",
+    "DesignPoint": "condition.design_report",
+    "DesignReport": "condition.design_report",
+    "Disturbance": "plant",
+    "Drive": "plant",
+    "EndStops": "plant",
+    "Experiment": "experiment",
+    "ExperimentError": "errors",
+    "Friction": "plant",
+    "GainDesign": "condition.gains",
+    "Hypotheses": "condition.hypotheses",
+    "Lemma1Range": "study.notes",
+    "LimitViolation": "rollout",
+    "LoopLimits": "condition.stability",
+    "METRICS": "metrics",
+    "Metric": "metrics",
+    "MetricSettings": "metrics",
+    "MissingDependencyError": "errors",
+    "ModelLaw": "baselines",
+    "Motion": "plant",
+    "NotComparableError": "errors",
+    "NotPositiveDefinite": "errors",
+    "OptionalPerJoint": "plant.parameters",
+    "OptionalScalar": "controllers",
+    "ParameterError": "errors",
+    "Payload": "arms",
+    "PayloadChange": "plant",
+    "PerJoint": "controllers",
+    "Plant": "plant",
+    "Premises": "condition.hypotheses",
+    "ProofProgress": "condition.certificate",
+    "REFERENCES": "references",
+    "Recording": "condition",
+    "Reference": "references",
+    "Refinement": "study.refine",
+    "Reproduction": "study.reproduce",
+    "Result": "results",
+    "ResultError": "errors",
+    "Rollout": "rollout",
+    "Sample": "controllers",
+    "SampledLoop": "condition.stability",
+    "Scalar": "controllers",
+    "Sensor": "plant",
+    "Setpoint": "controllers",
+    "Spots": "condition.check.spot_checks",
+    "Spread": "plant",
+    "StabilityReport": "condition.stability",
+    "Table": "report.tables",
+    "TdeLaw": "controllers",
+    "TdeState": "controllers",
+    "Theorems": "study.theorems",
+    "ToolError": "tool_error",
+    "Unchanged": "arms.options",
+    "Values": "controllers.parameters",
+    "WeightedDesign": "condition.design_report",
+    "agree": "agreement",
+    "arm_names": "arms",
+    "certified": "condition",
+    "certify": "condition.certificate",
+    "check": "condition.check",
+    "compare": "study",
+    "design": "condition",
+    "evaluate": "metrics",
+    "experiment_names": "experiment",
+    "lemma1_norm": "condition",
+    "load_arm": "arms",
+    "load_experiment": "experiment",
+    "load_result": "results",
+    "read_recording": "condition",
+    "reproduce": "study.reproduce",
+    "rollout": "rollout",
+    "stability": "condition.stability",
+    "suggest_gains": "condition.gains",
+    "verify": "condition",
+    "view": "study.view",
+    "weighted_norm": "condition",
+}
 
-__all__ = [  # noqa: RUF022 - grouped as design and docs do
+load_on_first_use(__name__, _HOME)
+
+__all__ = [  # noqa: RUF022 - grouped as a reader looks for them
+    # Arms
     "Arm",
+    "Payload",
+    "arm_names",
     "load_arm",
+    "Unchanged",
+    # The condition on M̄
     "ConditionReport",
+    "design",
     "lemma1_norm",
     "verify",
+    "weighted_norm",
+    "Recording",
+    "read_recording",
+    "certified",
     "DesignReport",
-    "design",
+    "DesignLimit",
+    "DesignPoint",
+    "ArmaturePurchase",
+    "WeightedDesign",
+    "Hypotheses",
+    "Carried",
+    "Premises",
+    "CertificateResult",
+    "ProofProgress",
+    "certify",
+    "CheckResult",
+    "CheckedStatement",
+    "Conclusion",
+    "Spots",
+    "check",
+    # The sampled loop
+    "SampledLoop",
+    "StabilityReport",
+    "LoopLimits",
+    "stability",
+    "GainDesign",
+    "suggest_gains",
+    # Laws
     "CONTROLLERS",
     "Controller",
+    "TdeLaw",
+    "TdeState",
+    "AdaptiveState",
+    "PerJoint",
+    "Scalar",
+    "OptionalScalar",
+    "OptionalPerJoint",
+    "Values",
+    "Choice",
     "Sample",
     "Setpoint",
+    "BASELINES",
+    "ModelLaw",
+    # Motions
+    "REFERENCES",
+    "Reference",
+    # The ground truth
     "Plant",
+    "Friction",
+    "Drive",
+    "Sensor",
+    "Disturbance",
+    "PayloadChange",
+    "EndStops",
+    "Spread",
+    "Motion",
     "Rollout",
+    "LimitViolation",
     "rollout",
+    # Metrics
+    "METRICS",
+    "Metric",
+    "MetricSettings",
+    "evaluate",
+    # Agreement
+    "AgreementReport",
+    "agree",
+    # Experiments
     "Experiment",
+    "experiment_names",
     "load_experiment",
     "Comparison",
     "compare",
+    "Lemma1Range",
+    "Theorems",
+    "Refinement",
+    "ToolError",
+    "Table",
+    "Reproduction",
+    "reproduce",
+    "Result",
+    "load_result",
+    "view",
+    # Errors
     "AsmcPinError",
+    "ArmError",
+    "ExperimentError",
+    "MissingDependencyError",
+    "NotComparableError",
+    "NotPositiveDefinite",
+    "ParameterError",
+    "ResultError",
 ]

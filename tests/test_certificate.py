@@ -15,7 +15,7 @@ from asmc_pin import load_arm
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
 from asmc_pin.condition import CONDITIONS, search_worst, verify
-from asmc_pin.condition.certificate import Progress, certify
+from asmc_pin.condition.certificate import ProofProgress, certify
 from asmc_pin.condition.certified import certified
 from asmc_pin.errors import ArmError, ParameterError
 from asmc_pin.references import Ramps
@@ -78,9 +78,9 @@ def test_the_scale_proven_on_a_box_holds_on_every_part_of_it(ur5: Arm) -> None:
 
 
 def test_what_it_says_is_right_whenever_it_stops(ur5: Arm) -> None:
-    seen: list[Progress] = []
+    seen: list[ProofProgress] = []
 
-    def stop(progress: Progress) -> None:
+    def stop(progress: ProofProgress) -> None:
         seen.append(progress)
         if progress.proven > 0.0 and progress.trying.startswith("scale"):
             raise KeyboardInterrupt

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
@@ -75,21 +74,17 @@ def view(
     port: Annotated[int, typer.Option(min=0, max=65535, help="On 127.0.0.1; 0 takes a free one.")] = 0,
 ) -> None:
     """Replay a result in the browser, the controllers side by side. Served on 127.0.0.1 only; Ctrl-C ends it."""
-    from asmc_pin.results import find_result, load_result
+    from asmc_pin.results import find_result
 
     find_result(directory)
     if html is not None:
         check_writable(html)
     announce_compiling()
-    from asmc_pin import viewer
+    from asmc_pin.study.view import view as run
 
-    result = load_result(directory)
-    if html is not None:
-        path = Path(html)
-        viewer.write_replay(result, path)
-        say(f"replay: {path} ({path.stat().st_size / 1e6:.1f} MB)")
-        return
-    viewer.serve(result.path, port=port)
+    page = run(directory, html=html, port=port)
+    if page is not None:
+        say(f"replay: {page} ({page.stat().st_size / 1e6:.1f} MB)")
 
 
 @app.command()

@@ -10,7 +10,7 @@ import numpy as np
 from asmc_pin.choices import Objective as Objective
 from asmc_pin.clock import Clock
 from asmc_pin.condition.box import BoxLike
-from asmc_pin.condition.design_report import DesignReport, Point
+from asmc_pin.condition.design_report import DesignPoint, DesignReport
 from asmc_pin.condition.exchange import Active, Exchanged, exchange
 from asmc_pin.condition.explain import limits_of, other_condition, what_armature_buys
 from asmc_pin.condition.lemma1 import Condition, check_condition
@@ -131,9 +131,9 @@ def design(
     )
 
 
-def point_of(outcome: Exchanged) -> Point:
+def point_of(outcome: Exchanged) -> DesignPoint:
     """What an outcome is worth."""
-    return Point(outcome.norm, outcome.bandwidth, outcome.solution.mbar)
+    return DesignPoint(outcome.norm, outcome.bandwidth, outcome.solution.mbar)
 
 
 def read_bounds(arm: Arm, bounds: BoundsLike, form: Form) -> Bounds:

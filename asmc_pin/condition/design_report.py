@@ -14,7 +14,7 @@ from asmc_pin.text import printable
 
 
 @dataclass(frozen=True, eq=False)
-class Point:
+class DesignPoint:
     """One M̄ and what it is worth over the whole domain, by search.
 
     Attributes:
@@ -29,7 +29,7 @@ class Point:
 
 
 @dataclass(frozen=True, eq=False)
-class Limit:
+class DesignLimit:
     """A configuration that keeps M̄ from being better.
 
     Attributes:
@@ -48,7 +48,7 @@ class Limit:
 
 
 @dataclass(frozen=True, eq=False)
-class Purchase:
+class ArmaturePurchase:
     """What added armature would buy.
 
     Attributes:
@@ -63,7 +63,7 @@ class Purchase:
 
 
 @dataclass(frozen=True, eq=False)
-class Weighted:
+class WeightedDesign:
     """What the weighted condition would allow. It is not Lemma 1.
 
     Attributes:
@@ -72,7 +72,7 @@ class Weighted:
         scale_lemma1: The same before Lemma 1 breaks.
     """
 
-    least: Point
+    least: DesignPoint
     scale: float
     scale_lemma1: float
 
@@ -114,11 +114,11 @@ class DesignReport:
     level: float | None
     rounds: int
     seconds: float
-    limits: tuple[Limit, ...] = ()
+    limits: tuple[DesignLimit, ...] = ()
     by_armature: Array | None = None
-    trade_off: tuple[Point, ...] = ()
-    armature_buys: tuple[Purchase, ...] = ()
-    weighted: Weighted | None = None
+    trade_off: tuple[DesignPoint, ...] = ()
+    armature_buys: tuple[ArmaturePurchase, ...] = ()
+    weighted: WeightedDesign | None = None
 
     @property
     def arm(self) -> str:
@@ -259,7 +259,7 @@ class DesignReport:
         ]
 
 
-def _point(point: Point) -> dict[str, Any]:
+def _point(point: DesignPoint) -> dict[str, Any]:
     return {"norm": point.norm, "bandwidth": point.bandwidth, "mbar": point.mbar.tolist()}
 
 

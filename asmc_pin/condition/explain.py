@@ -9,7 +9,7 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition import kernels
-from asmc_pin.condition.design_report import Limit, Point, Purchase, Weighted
+from asmc_pin.condition.design_report import ArmaturePurchase, DesignLimit, DesignPoint, WeightedDesign
 from asmc_pin.condition.exchange import Active, Exchanged, exchange
 from asmc_pin.condition.lemma1 import Condition
 from asmc_pin.condition.program import Bounds
@@ -21,7 +21,9 @@ _SHARE = 0.1
 """Of a joint's median inertia: the armature that `what_armature_buys` adds."""
 
 
-def limits_of(all_cases: Sequence[Case], condition: Condition, outcome: Exchanged, most: int = 4) -> tuple[Limit, ...]:
+def limits_of(
+    all_cases: Sequence[Case], condition: Condition, outcome: Exchanged, most: int = 4
+) -> tuple[DesignLimit, ...]:
     """The configurations with the largest multipliers.
 
     Args:
@@ -48,7 +50,7 @@ def limits_of(all_cases: Sequence[Case], condition: Condition, outcome: Exchange
         # The joint whose own inertia, changed by the same share of itself, moves the norm most.
         joint = int(np.argmax(np.abs(factor * left * right) * np.diag(mass)))
         found.append(
-            Limit(
+            DesignLimit(
                 q=outcome.q[index],
                 share=float(weights[index]),
                 joint=case.domain.arm.joint_names[joint],
@@ -61,7 +63,7 @@ def limits_of(all_cases: Sequence[Case], condition: Condition, outcome: Exchange
 
 def what_armature_buys(
     all_cases: Sequence[Case], condition: Condition, bounds: Bounds, least: Exchanged, seed: int
-) -> tuple[Purchase, ...]:
+) -> tuple[ArmaturePurchase, ...]:
     """The least norm after adding a tenth of its own median inertia to the most promising joint, and to every joint.
 
     Reflected inertia is the rotor's times the gear ratio squared, so this is what gearing or a heavier rotor would buy.
@@ -82,11 +84,11 @@ def what_armature_buys(
         ]
         outcome = exchange(Active(domains, seed), condition, bounds)
         if outcome is not None:
-            found.append(Purchase(where, added, outcome.norm))
+            found.append(ArmaturePurchase(where, added, outcome.norm))
     return tuple(found)
 
 
-def other_condition(all_cases: Sequence[Case], bounds: Bounds, mbar: Array, seed: int) -> Weighted | None:
+def other_condition(all_cases: Sequence[Case], bounds: Bounds, mbar: Array, seed: int) -> WeightedDesign | None:
     """What the weighted condition would allow where Lemma 1 gave `mbar`."""
     domains = [case.domain for case in all_cases]
     least = exchange(Active(domains, seed), "weighted", bounds)
@@ -94,7 +96,9 @@ def other_condition(all_cases: Sequence[Case], bounds: Bounds, mbar: Array, seed
         return None
     largest = max(_worst(kernels.WEIGHTED_SCALE, domain, mbar, seed) for domain in domains)
     lemma1 = min(-_worst(kernels.LEMMA1_SCALE, domain, mbar, seed) for domain in domains)
-    return Weighted(Point(least.norm, least.bandwidth, least.solution.mbar), 2.0 / largest, max(lemma1, 0.0))
+    return WeightedDesign(
+        DesignPoint(least.norm, least.bandwidth, least.solution.mbar), 2.0 / largest, max(lemma1, 0.0)
+    )
 
 
 def _worst(kind: int, domain: Domain, mbar: Array, seed: int) -> float:

@@ -2,6 +2,6 @@
 
 from asmc_pin.condition.certificate.certify import certify
 from asmc_pin.condition.certificate.result import CertificateResult
-from asmc_pin.condition.certificate.strategy import Progress
+from asmc_pin.condition.certificate.strategy import ProofProgress
 
-__all__ = ["CertificateResult", "Progress", "certify"]
+__all__ = ["CertificateResult", "ProofProgress", "certify"]

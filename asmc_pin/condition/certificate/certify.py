@@ -15,7 +15,7 @@ from asmc_pin.condition.certificate.domain import domains
 from asmc_pin.condition.certificate.kernels_tree import LEAF
 from asmc_pin.condition.certificate.refute import Worst
 from asmc_pin.condition.certificate.result import CertificateResult, Verdict
-from asmc_pin.condition.certificate.strategy import Progress, Prover
+from asmc_pin.condition.certificate.strategy import ProofProgress, Prover
 from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.lemma1 import Condition, check_condition, check_mbar
 from asmc_pin.condition.premises import hypotheses_of
@@ -53,7 +53,7 @@ def certify(
     samples: int = SAMPLES,
     starts: int = STARTS,
     seed: int = 0,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Callable[[ProofProgress], None] | None = None,
 ) -> CertificateResult:
     """Prove or refute a condition over a whole joint box, or in a tube around a motion.
 

@@ -27,7 +27,7 @@ _CORNERS = 8
 
 
 @dataclass(frozen=True)
-class Progress:
+class ProofProgress:
     """How far a certificate is.
 
     Attributes:
@@ -73,7 +73,7 @@ class Prover:
         began: float,
         budget: float,
         threads: int,
-        progress: Callable[[Progress], None] | None,
+        progress: Callable[[ProofProgress], None] | None,
     ) -> None:
         self._cases, self._mbar, self._condition, self.worst = cases, mbar, condition, worst
         self.began, self.deadline, self._threads, self.progress = began, began + budget, threads, progress
@@ -208,7 +208,9 @@ class _Watch:
         if prover.progress is not None:
             done = (self._number + volume) / self._statements
             seconds = now - prover.began
-            prover.progress(Progress(prover.scale, prover.worst.scale, self._label, done, self._tests + tests, seconds))
+            prover.progress(
+                ProofProgress(prover.scale, prover.worst.scale, self._label, done, self._tests + tests, seconds)
+            )
         spent = now - self._began
         late = spent * (1.0 - volume) > 1.5 * volume * (self._remaining - spent)
         self.slow = not self._patient and late and spent > 0.15 * self._remaining

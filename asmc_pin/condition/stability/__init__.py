@@ -1,6 +1,6 @@
 """The sampled closed loop: its exact linear map, where it is stable, and what margins and errors it has."""
 
-from asmc_pin.condition.stability.limits import Limits
+from asmc_pin.condition.stability.limits import LoopLimits
 from asmc_pin.condition.stability.linear_map import (
     ClosedLoop,
     closed_loop,
@@ -21,7 +21,7 @@ from asmc_pin.condition.stability.report import StabilityReport, stability
 
 __all__ = [
     "ClosedLoop",
-    "Limits",
+    "LoopLimits",
     "SampledLoop",
     "StabilityReport",
     "StepResponse",

@@ -29,7 +29,7 @@ _MODES = 96
 
 
 @dataclass(frozen=True)
-class Limits:
+class LoopLimits:
     """Ends of the stable region in one direction each, the rest as given. inf: no end was found; nan: unstable already.
 
     A stable range of gains or period starts at slow loops: it is the connected one that a user reaches by raising them.
@@ -58,7 +58,7 @@ class Limits:
         return low, high
 
 
-def limits_of(workspace: Workspace, loop: SampledLoop, worst_q: Array) -> Limits:
+def limits_of(workspace: Workspace, loop: SampledLoop, worst_q: Array) -> LoopLimits:
     """All limits of a loop.
 
     Args:
@@ -71,7 +71,7 @@ def limits_of(workspace: Workspace, loop: SampledLoop, worst_q: Array) -> Limits
     stable = critical.radius(loop) < 1.0
     low = 1.0 / _end(critical, lambda x: loop.scaled(mbar=1.0 / x), outward) if stable else math.nan
     high = _end(critical, lambda x: loop.scaled(mbar=x), outward) if stable else math.nan
-    return Limits(
+    return LoopLimits(
         gain_scale=_end(critical, lambda x: loop.scaled(ks=x, beta=x), rising),
         beta_scale=_end(critical, lambda x: loop.scaled(beta=x), rising),
         ks_scale=_end(critical, lambda x: loop.scaled(ks=x), rising),

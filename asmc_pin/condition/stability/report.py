@@ -14,7 +14,7 @@ from asmc_pin.clock import Clock
 from asmc_pin.condition.box import BoxLike, asked_box
 from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.condition.premises import ends_of, premises_of
-from asmc_pin.condition.stability.limits import Limits, limits_of
+from asmc_pin.condition.stability.limits import LoopLimits, limits_of
 from asmc_pin.condition.stability.loop import Acceleration, SampledLoop, positive_per_joint
 from asmc_pin.condition.stability.workspace import Workspace, workspace_of
 from asmc_pin.errors import ParameterError
@@ -50,7 +50,7 @@ class StabilityReport:
     rest_radius: float
     rest_q: Array
     ratios: tuple[float, float]
-    limits: Limits | None
+    limits: LoopLimits | None
     configurations: int
     seconds: float
 
@@ -230,7 +230,7 @@ def _viscous(value: ArrayLike, nv: int) -> Array:
     return friction
 
 
-def _limit_lines(loop: SampledLoop, limits: Limits) -> list[str]:
+def _limit_lines(loop: SampledLoop, limits: LoopLimits) -> list[str]:
     if limits.gain_scale == 0.0:
         return ["no β and K_s are stable with this M̄, the torque estimate diverges by itself: scale M̄ down"]
     low, high = limits.gain_margin
