@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from asmc_pin.controllers import Setpoint as Setpoint
     from asmc_pin.controllers import TdeLaw as TdeLaw
     from asmc_pin.controllers import TdeState as TdeState
+    from asmc_pin.controllers import signed as signed
     from asmc_pin.controllers.parameters import Values as Values
     from asmc_pin.errors import ArmError as ArmError
     from asmc_pin.errors import AsmcPinError as AsmcPinError
@@ -193,6 +194,7 @@ _HOME = {
     "read_recording": "condition",
     "reproduce": "study.reproduce",
     "rollout": "rollout",
+    "signed": "controllers",
     "stability": "condition.stability",
     "suggest_gains": "condition.gains",
     "verify": "condition",
@@ -255,6 +257,7 @@ __all__ = [  # noqa: RUF022 - grouped as a reader looks for them
     "Choice",
     "Sample",
     "Setpoint",
+    "signed",
     "BASELINES",
     "ModelLaw",
     # Motions

@@ -146,7 +146,7 @@ def test_no_scheme_and_no_figure_of_seven_joints_is_cut(capsys, monkeypatch, col
     header = ["scheme", *(f"joint{i}" for i in range(1, 8)), "worst error [deg]", "chatter [N·m/s]"]
     rows = [[label, *["0.00123"] * 7, "0.0123", "123"] for label in ("Existing", "Proposed")]
     table = Table("RMS tracking error [deg]", header, rows)
-    print_comparison(SimpleNamespace(overview=lambda: table, notes=(), out=Path("results/x")))
+    print_comparison(SimpleNamespace(overview=lambda: table, remarks=list))
     lines = capsys.readouterr().out.splitlines()
     for label in ("Existing", "Proposed"):
         (line,) = (line for line in lines if line.startswith(label))

@@ -173,7 +173,7 @@ def test_bounds_are_kept_and_impossible_ones_are_said_to_be(tmp_path: Path) -> N
     content = hopeless.to_json_dict()
     assert content["mbar"] is None
     json.dumps(content, allow_nan=False)
-    assert "no M̄ within the bounds" in hopeless.explanation()[0]
+    assert "no M̄ within the bounds" in hopeless.lines()[0]
 
 
 def test_report_explains_what_limits_it_and_what_would_help() -> None:
@@ -190,7 +190,7 @@ def test_report_explains_what_limits_it_and_what_would_help() -> None:
     assert np.all(report.by_armature <= 1e-6)
     content = json.loads(json.dumps(report.to_json_dict(), allow_nan=False))
     assert content["mbar"] == report.mbar.tolist()  # type: ignore[union-attr]
-    text = "\n".join(report.explanation())
+    text = "\n".join(report.lines())
     assert repr(content["mbar"][0]) in text
     assert "not Lemma 1" in text
 

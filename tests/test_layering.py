@@ -24,6 +24,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "reading": set(),
     "units": set(),
     "media": set(),
+    "shown": set(),
     "files": set(),
     "lazy": set(),
     "choices": set(),
@@ -68,7 +69,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "viewer",
     },
 }
-OPEN = {"_typing", "errors", "text", "reading", "units", "media", "files", "lazy", "choices", "clock"}
+OPEN = {"_typing", "errors", "text", "reading", "units", "media", "shown", "files", "lazy", "choices", "clock"}
 EVERYTHING = {*MAY_IMPORT, "package"}
 MAY_IMPORT["study"] = EVERYTHING
 MAY_IMPORT["cli"] = EVERYTHING | {"study"}

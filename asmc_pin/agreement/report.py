@@ -9,14 +9,15 @@ from typing import Any, Literal
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.shown import Cells, Shown, figure
 
 # Round-off leaves 1e-12; but an inertia that its exporter rounded to an impossible one MuJoCo gets up to 1e-9 smaller.
 TOLERANCE = 1e-8
 """Of each of the three relative errors."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class AgreementReport:
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class AgreementReport(Shown):
     """Whether two engines that read the same URDF text give the same M, bias and motion.
 
     Attributes:
@@ -109,12 +110,12 @@ class AgreementReport:
         ]
         return text + [f"note: {line}" for line in self.notes]
 
-    def table(self) -> tuple[list[str], list[list[str]]]:
+    def table(self) -> Cells:
         """Header and rows of the errors joint by joint."""
         header = ["joint", "M(q)", "C q̇ + g", "motion"]
         columns = (self.mass_by_joint, self.bias_by_joint, self.motion_by_joint)
         rows = zip(self.joints, *columns, strict=True)
-        return header, [[name, *(f"{value:.1e}" for value in values)] for name, *values in rows]
+        return header, [[name, *(figure(value, ".1e") for value in values)] for name, *values in rows]
 
 
 def _against(error: float) -> str:

@@ -19,10 +19,12 @@ from asmc_pin.arms.reading import Robot
 from asmc_pin.arms.registry import ArmEntry
 from asmc_pin.arms.tree import Tree
 from asmc_pin.errors import ArmError
+from asmc_pin.shown import Cells, Shown
+from asmc_pin.text import printable, quoted
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Arm:
+class Arm(Shown):
     """A robot arm on a fixed base; immutable, arrays read-only. Make one with `load_arm`.
 
     M(q) q̈ + C(q, q̇) q̇ + g(q) = τ − f(q̇): this class gives M, C and g; friction and damping are reported, the plant
@@ -82,6 +84,29 @@ class Arm:
     def __repr__(self) -> str:
         changed = {"payload": self.payload, "locked": dict(self.locked)}
         return f"Arm({self.name!r}, nv={self.nv}" + "".join(f", {k}={v!r}" for k, v in changed.items() if v) + ")"
+
+    def lines(self) -> list[str]:
+        """What it is and what it carries, and what was taken otherwise than written."""
+        said = [
+            f"{quoted(self.name)}: {self.nv} moving joint{'s' if self.nv > 1 else ''}, "
+            f"{self.tree.mass.sum():.1f} kg move (URDF {self.sha256[:16]}…)"
+        ]
+        if self.payload is not None:
+            said.append(f"payload: {self.payload.mass:g} kg on {quoted(str(self.payload.link))}")
+        if self.locked:
+            said.append("locked: " + ", ".join(f"{quoted(name)} at {angle:g}" for name, angle in self.locked.items()))
+        return [*said, *(f"note: {line}" for line in self.warnings)]
+
+    def table(self) -> Cells:
+        """Range, limits, friction and armature, joint by joint; what is not declared is said."""
+        columns = (self.lower, self.upper, self.effort_limit, self.velocity_limit)
+        rows = []
+        for i, (name, kind) in enumerate(zip(self.joint_names, self.joint_kinds, strict=True)):
+            limits = [f"{x[i]:g}" if np.isfinite(x[i]) else "not declared" for x in columns]
+            losses = [f"{x[i]:g}" for x in (self.friction, self.damping, self.armature)]
+            rows.append([printable(name), kind, *limits, *losses])
+        figures = ["lower", "upper", "torque limit", "speed limit", "friction", "damping", "armature"]
+        return ["joint (SI units)", "kind", *figures], rows
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Pinocchio's scratch memory does not travel between processes; the arm is made anew where it arrives.

@@ -31,7 +31,7 @@ from asmc_pin.cli.options import (
 )
 from asmc_pin.errors import ParameterError
 from asmc_pin.files import check_readable, check_writable
-from asmc_pin.text import printable, visible
+from asmc_pin.text import visible
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -147,7 +147,6 @@ def prove(
 
 def print_verdict(report: ConditionReport) -> None:
     """Print a report of the condition for a person to read: what it is about first; angles in degrees too."""
-    import numpy as np
     from rich.table import Column, Table
     from rich.text import Text
 
@@ -159,52 +158,15 @@ def print_verdict(report: ConditionReport) -> None:
     style = {"holds": "bold green", "unrefuted": "bold green", "violated": "bold red"}.get(
         report.verdict, "bold yellow"
     )
-    for line in report.hypotheses.lines():
-        tell(line)
-    tell(
-        f"{report.hypotheses.title}: {report.verdict}  ({report.kind}, {report.configurations} configurations, "
-        f"{report.seconds:.1f} s)",
-        style,
-    )
-    largest = f"largest norm found {report.lower:.6g}"
-    if report.worst_time is not None:
-        largest += f", at t = {report.worst_time:.4g} s"
-    tell(f"{largest}; smallest {report.smallest:.6g}")
-    if report.scale_refuted is not None:
-        proven = report.scale_proven or 0.0
-        if report.scale_refuted > 0.0:
-            tell(
-                f"proven for M̄ times {proven:.6g}, counter-example for M̄ times {report.scale_refuted:.6g} "
-                f"(gap {1.0 - proven / report.scale_refuted:.2%})"
-            )
-        else:
-            tell("there are counter-examples for every positive multiple of M̄")
-    if report.upper is not None:
-        tell(
-            f"the norm is proven to be at most {report.upper:.6g} over the box"
-            if report.upper < 1.0
-            else "the norm is proven to be below 1 over the box"
-        )
-    if report.worst_case:
-        tell(f"worst case: {report.worst_case}")
-    unit = "rad or m" if any(report.hypotheses.slides) else "rad"
-    table = Table(
-        Column("joint", overflow="fold"),
-        "m̄ kg·m²",
-        "armature there",
-        f"worst q {unit}",
-        "deg",
-        box=None,
-        pad_edge=False,
-    )
-    figures = (report.joints, report.hypotheses.slides, report.mbar, report.worst_armature, report.worst_q)
-    for name, slides, m, armature, q in zip(*figures, strict=True):
-        table.add_row(
-            printable(name), f"{m:.6g}", f"{armature:.6g}", f"{q:+.6f}", "" if slides else f"{np.degrees(q):+.2f}"
-        )
+    for line in report.lines():
+        tell(line, style if line == report.headline() else "")
+    header, rows = report.table()
+    table = Table(Column(header[0], overflow="fold"), *header[1:], box=None, pad_edge=False)
+    for row in rows:
+        table.add_row(*row)
     console.print(table)
-    for line in report.notes:
-        tell(f"note: {line}")
+    for line in report.remarks():
+        tell(line)
 
 
 def _print_tde_error(along: Any, arm: Arm, mbar: float | list[float]) -> None:

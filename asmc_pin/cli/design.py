@@ -103,7 +103,7 @@ def design(
         check = prove(loaded, list(found.check.mbar), found.check, certificate, **proof, **domain)
         found = replace(found, check=check, verdict=check.verdict)
     write_page(found, loaded, page)
-    content, lines = found.to_json_dict(), found.explanation()
+    content, lines = found.to_json_dict(), found.lines()
     if length is not None and gains and found.mbar is not None:
         from asmc_pin.condition.gains import suggest_gains
 

@@ -139,8 +139,5 @@ def print_comparison(comparison: Comparison) -> None:
     for row in rows:
         table.add_row(*row)
     console.print(table)
-    for line in comparison.notes:
-        console.print(visible(f"note: {line}"), soft_wrap=True)
-    if (comparison.out / "report.html").is_file():
-        console.print(f"report: {comparison.out / 'report.html'}", soft_wrap=True)
-    console.print(f"replay: asmc-pin view {comparison.out}", soft_wrap=True)
+    for line in comparison.remarks():
+        console.print(visible(line), soft_wrap=True)

@@ -10,6 +10,7 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.condition.hypotheses import Condition, Hypotheses
 from asmc_pin.condition.report import ConditionReport
+from asmc_pin.shown import UNDEFINED, Cells, Shown
 from asmc_pin.text import printable
 
 
@@ -77,8 +78,8 @@ class WeightedDesign:
     scale_lemma1: float
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class DesignReport:
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class DesignReport(Shown):
     """The M̄ that was found, what it is worth, and what limits it.
 
     Attributes:
@@ -191,11 +192,22 @@ class DesignReport:
             content["weighted"] = _point(self.weighted.least) | scales
         return content
 
-    def explanation(self) -> list[str]:
+    def lines(self) -> list[str]:
         """The report in plain words, a line per finding: the verdict, what it is about, and why it is no better."""
-        return [self._headline(), *(f"{term}: {text}" for term, text in self.rows()), *self.reasons()]
+        return [self.headline(), *(f"{term}: {text}" for term, text in self.rows()), *self.reasons()]
 
-    def _headline(self) -> str:
+    def table(self) -> Cells:
+        """M̄, its bounds and the worst configuration, joint by joint; a dash where there is none."""
+        none = [UNDEFINED] * len(self.joints)
+        mbar = none if self.mbar is None else [f"{value:.6g}" for value in self.mbar]
+        worst = none if self.check is None else [f"{value:+.6f}" for value in self.check.worst_q]
+        ends = ([f"{value:g}" for value in end] for end in self.bounds)
+        unit = "rad or m" if any(self.hypotheses.slides) else "rad"
+        rows = zip(map(printable, self.joints), mbar, *ends, worst, strict=True)
+        return ["joint", "m̄ kg·m²", "at least", "at most", f"worst q {unit}"], [list(row) for row in rows]
+
+    def headline(self) -> str:
+        """The verdict, and what M̄ is worth."""
         title = self.hypotheses.title
         if self.mbar is None:
             bound = "" if self.bound is None else f"; the least norm possible is {self.bound:.6g}"

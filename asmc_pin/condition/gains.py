@@ -18,6 +18,7 @@ from asmc_pin.condition.stability.prediction import drift_error, step_response
 from asmc_pin.condition.stability.report import StabilityReport, loop_for, stability
 from asmc_pin.condition.stability.workspace import Workspace, gravity_stiffness, workspace_of
 from asmc_pin.errors import ParameterError
+from asmc_pin.shown import Shown
 from asmc_pin.units import check_delay
 
 if TYPE_CHECKING:
@@ -26,8 +27,8 @@ if TYPE_CHECKING:
 _SCALES = np.geomspace(0.05, 1.0, 15)
 
 
-@dataclass(frozen=True)
-class GainDesign:
+@dataclass(frozen=True, repr=False)
+class GainDesign(Shown):
     """Gains with margins, and what tracking error they promise.
 
     Attributes:

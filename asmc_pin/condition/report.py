@@ -10,6 +10,8 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.condition.hypotheses import Condition, Hypotheses, Where
 from asmc_pin.condition.premises import worst_keys
+from asmc_pin.shown import Cells, Shown
+from asmc_pin.text import printable
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -17,8 +19,8 @@ if TYPE_CHECKING:
 Verdict = Literal["violated", "holds", "unrefuted", "undecided"]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ConditionReport:
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class ConditionReport(Shown):
     """Whether M̄ satisfies a condition on an arm, and what that rests on.
 
     Attributes:
@@ -106,6 +108,40 @@ class ConditionReport:
         lower, upper = np.array(list(self.hypotheses.box.values())).T
         return lower, upper
 
+    def headline(self) -> str:
+        """The verdict, and what it is about."""
+        return (
+            f"{self.hypotheses.title}: {self.verdict}  ({self.kind}, {self.configurations} configurations, "
+            f"{self.seconds:.1f} s)"
+        )
+
+    def lines(self) -> list[str]:
+        """What the verdict is about, the verdict, and what was found; a line per finding."""
+        largest = f"largest norm found {self.lower:.6g}"
+        if self.worst_time is not None:
+            largest += f", at t = {self.worst_time:.4g} s"
+        return [
+            *self.hypotheses.lines(),
+            self.headline(),
+            f"{largest}; smallest {self.smallest:.6g}",
+            *scale_lines(self.scale_proven, self.scale_refuted),
+            *bound_lines(self.upper),
+            *([f"worst case: {self.worst_case}"] if self.worst_case else []),
+        ]
+
+    def table(self) -> Cells:
+        """M̄ and the worst configuration, joint by joint; angles in degrees too."""
+        unit = "rad or m" if any(self.hypotheses.slides) else "rad"
+        figures = (self.joints, self.hypotheses.slides, self.mbar, self.worst_armature, self.worst_q)
+        return ["joint", "m̄ kg·m²", "armature there", f"worst q {unit}", "deg"], [
+            [printable(name), f"{m:.6g}", f"{armature:.6g}", f"{q:+.6f}", "" if slides else f"{np.degrees(q):+.2f}"]
+            for name, slides, m, armature, q in zip(*figures, strict=True)
+        ]
+
+    def remarks(self) -> list[str]:
+        """What a reader has to know."""
+        return [f"note: {line}" for line in self.notes]
+
     def to_json_dict(self) -> dict[str, Any]:
         """The object that ``asmc-pin verify --json`` prints; undefined figures are None."""
         content: dict[str, Any] = {
@@ -124,3 +160,20 @@ class ConditionReport:
         if self.kind == "certified":
             content |= {"scale_proven": self.scale_proven, "scale_refuted": self.scale_refuted}
         return content
+
+
+def scale_lines(proven: float | None, refuted: float | None) -> list[str]:
+    """For which multiples of M̄ the condition is proven, and for which there is a counter-example."""
+    if refuted is None:
+        return []
+    if refuted <= 0.0:
+        return ["there are counter-examples for every positive multiple of M̄"]
+    gap = 1.0 - (proven or 0.0) / refuted
+    return [f"proven for M̄ times {proven or 0.0:.6g}, counter-example for M̄ times {refuted:.6g} (gap {gap:.2%})"]
+
+
+def bound_lines(upper: float | None) -> list[str]:
+    """The proven bound of the norm."""
+    if upper is None:
+        return []
+    return [f"the norm is proven to be {f'at most {upper:.6g}' if upper < 1.0 else 'below 1'} over the box"]

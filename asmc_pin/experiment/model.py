@@ -24,9 +24,10 @@ from asmc_pin.experiment.toml import parse_toml, write_toml
 from asmc_pin.metrics import MetricSettings
 from asmc_pin.plant import Friction, Plant
 from asmc_pin.references import CartesianPath, Reference
+from asmc_pin.shown import Cells, Shown
 
 
-class Experiment(ExperimentTables):
+class Experiment(Shown, ExperimentTables):
     """One comparison: an arm, a motion, and the controllers that are to follow it.
 
     Made by `load_experiment` or `Experiment.from_dict`; the attributes are the keys of the file (docs/experiments.md).
@@ -106,6 +107,23 @@ class Experiment(ExperimentTables):
         if self._text is not None and parse_toml(self._text, self._origin) == self._data:
             return self._text
         return write_toml(self._data)
+
+    def lines(self) -> list[str]:
+        """What it is about: arm, motion, timing."""
+        carried = self.arm.model_dump(exclude={"source"}, exclude_none=True)
+        options = "".join(f", {key} {value}" for key, value in carried.items())
+        return [
+            f"{self.name}: {len(self.controllers)} controllers on {self.arm.source}{options}",
+            f"motion: {self.reference['kind']}, {self.duration:g} s in periods of {self.period:g} s; seed {self.seed}",
+        ]
+
+    def table(self) -> Cells:
+        """The controllers, and what each is given beyond the defaults."""
+        rows = []
+        for label, values in self.controllers.items():
+            own = ", ".join(f"{key} = {value}" for key, value in values.items() if key != "law")
+            rows.append([label, str(values["law"]), own])
+        return ["controller", "law", "its own parameters"], rows
 
     @property
     def time(self) -> Array:

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.media import for_html
 from asmc_pin.plant.plant import Plant
+from asmc_pin.shown import Cells, Shown, figure, sparkline
+from asmc_pin.text import printable
 
 # Beyond a joint limit by less than this, rad (m), is round-off of a trajectory that touches it.
 LIMIT_SLACK = 1e-9
@@ -30,8 +33,8 @@ class LimitViolation:
     excess: float
 
 
-@dataclass(frozen=True, eq=False)
-class Rollout:
+@dataclass(frozen=True, eq=False, repr=False)
+class Rollout(Shown):
     """What happened: every trial at every control tick, arrays read-only.
 
     A trial that diverged holds NaN from the tick at which that was found.
@@ -118,6 +121,31 @@ class Rollout:
                 f"and came {abs(worst.excess):.4g} {side} limit; limits are not end stops here"
             )
         return tuple(lines)
+
+    def lines(self) -> list[str]:
+        """How much was run, and what went wrong."""
+        trials = len(self.status)
+        said = f"{trials} trial{'s' if trials > 1 else ''} of {self.time[-1]:g} s in periods of {self.period:g} s"
+        if (diverged := np.array(self.status) != "ok").any():
+            said += f"; {diverged.sum()} diverged, first at t = {self.end_time[diverged].min():.4g} s"
+        return [said, *self.warnings]
+
+    def table(self) -> Cells:
+        """Largest error and torque of each joint, over the trials that did not diverge; a dash where all did."""
+        ran = np.array(self.status) == "ok"
+        error, torque = (np.abs(x[ran]) for x in (self.q_ref - self.q, self.torque))
+        rows = []
+        for i, name in enumerate(self.joint_names):
+            largest = (figure(float(x[..., i].max() if ran.any() else np.nan)) for x in (error, torque))
+            rows.append([printable(name), *largest])
+        return ["joint", "largest |e| rad (m)", "largest |τ| N·m (N)"], rows
+
+    def picture(self) -> str:
+        """The error of the first trial over time, joint by joint."""
+        error = (self.q_ref - self.q[0]).T
+        named = zip(map(printable, self.joint_names), error.tolist(), strict=True)
+        curves = (f"<td>{sparkline(e, f'e of {name}, first trial')}<br>{for_html(name)}</td>" for name, e in named)
+        return f"<table><tbody><tr>{''.join(curves)}</tr></tbody></table>"
 
 
 def outside_limits(plant: Plant, time: Array, q: Array) -> tuple[LimitViolation, ...]:

@@ -21,6 +21,7 @@ from asmc_pin.references import SolvedPath
 from asmc_pin.report.tables import Table, overview
 from asmc_pin.report.theorems import theorem_lines
 from asmc_pin.rollout import Rollout
+from asmc_pin.shown import Cells, Shown
 from asmc_pin.study.notes import Lemma1Range, lemma1_lines
 from asmc_pin.study.refine import Refinement
 from asmc_pin.study.theorems import Theorems
@@ -28,8 +29,8 @@ from asmc_pin.study.tool import tool_figures
 from asmc_pin.tool_error import ToolError
 
 
-@dataclass(frozen=True)
-class Comparison:
+@dataclass(frozen=True, repr=False)
+class Comparison(Shown):
     """Controllers compared on one motion of one arm, and where the result lies.
 
     Attributes:
@@ -68,6 +69,24 @@ class Comparison:
     def about(self) -> Premises:
         """The arm that verdicts are about, with all that is supposed, along the reference."""
         return premises_along(self.arm, self.dataset.q_ref.to_numpy())
+
+    def headline(self) -> str:
+        """What was compared, on what."""
+        return f"{self.experiment.name}: {len(self.experiment.controllers)} controllers on {self.arm.name}"
+
+    def lines(self) -> list[str]:
+        """What was compared, what to be careful about, and what the table shows."""
+        return [self.headline(), *(f"warning: {line}" for line in self.warnings), self.overview().title]
+
+    def table(self) -> Cells:
+        """The overview."""
+        return self.overview()[1:]
+
+    def remarks(self) -> list[str]:
+        """What to know about the figures, and where the rest lies."""
+        page = self.out / "report.html"
+        pages = [f"report: {page}"] if page.is_file() else []
+        return [*(f"note: {line}" for line in self.notes), *pages, f"replay: asmc-pin view {self.out}"]
 
     def overview(self) -> Table:
         """The table that a person reads first."""

@@ -17,6 +17,7 @@ from asmc_pin.files import whole_folder, write_whole
 from asmc_pin.report.reproduction import page, summary_lines
 from asmc_pin.report.reproduction_figures import draw_reproduction
 from asmc_pin.results import load_result
+from asmc_pin.shown import Shown
 from asmc_pin.study.claims import judge
 from asmc_pin.study.compare import Progress, compare
 from asmc_pin.study.comparison import Comparison
@@ -41,8 +42,8 @@ READINGS: dict[str, dict[str, str]] = {
 DATA, PAGE = "reproduction.json", "reproduction.md"
 
 
-@dataclass(frozen=True)
-class Reproduction:
+@dataclass(frozen=True, repr=False)
+class Reproduction(Shown):
     """The paper and what was measured.
 
     Attributes:

@@ -13,6 +13,8 @@ from asmc_pin.condition.certificate.problem import Statement
 from asmc_pin.condition.certificate.walk import Record
 from asmc_pin.condition.hypotheses import Condition, Hypotheses, Where
 from asmc_pin.condition.premises import worst_keys
+from asmc_pin.condition.report import bound_lines, scale_lines
+from asmc_pin.shown import Shown
 
 if TYPE_CHECKING:
     from asmc_pin.condition.variants import Case
@@ -28,8 +30,8 @@ class Proof:
     record: Record
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class CertificateResult:
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class CertificateResult(Shown):
     """What is proven and what is refuted about M̄ over a joint box.
 
     Attributes:
@@ -115,6 +117,25 @@ class CertificateResult:
     def scope(self) -> Where:
         """Over what: ``box`` or ``tube``."""
         return self.hypotheses.where
+
+    def headline(self) -> str:
+        """The verdict, and what it is about."""
+        return f"{self.hypotheses.title}: {self.verdict}  (certified, {self.boxes} boxes, {self.seconds:.1f} s)"
+
+    def lines(self) -> list[str]:
+        """What the verdict is about, the verdict, and what is proven; a line per finding."""
+        return [
+            *self.hypotheses.lines(),
+            self.headline(),
+            f"largest norm found {self.lower:.6g}",
+            *scale_lines(self.scale_proven, self.scale_refuted),
+            *bound_lines(self.upper),
+            f"it stopped because: {self.reason}",
+        ]
+
+    def remarks(self) -> list[str]:
+        """What a reader has to know."""
+        return [f"note: {line}" for line in self.notes]
 
     def save(self, path: str | Path) -> Path:
         """Write the proofs to a file that ``asmc-pin check`` replays.

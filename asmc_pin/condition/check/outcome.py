@@ -8,6 +8,7 @@ from typing import Any
 from asmc_pin.condition.check.conclusions import Conclusion
 from asmc_pin.condition.check.spot_checks import Spots
 from asmc_pin.condition.hypotheses import Hypotheses
+from asmc_pin.shown import Shown
 from asmc_pin.text import printable, rounded_down, rounded_up
 
 
@@ -40,8 +41,8 @@ class CheckedStatement:
         return {**self.__dict__, "spots": {k: v for k, v in self.spots.__dict__.items() if k != "problem"}}
 
 
-@dataclass(frozen=True)
-class CheckResult:
+@dataclass(frozen=True, repr=False)
+class CheckResult(Shown):
     """What replaying a certificate came to; all of it derived from the arm and the statements inside.
 
     Attributes:

@@ -18,14 +18,16 @@ from asmc_pin.condition.stability.limits import LoopLimits, limits_of
 from asmc_pin.condition.stability.loop import Acceleration, SampledLoop, positive_per_joint
 from asmc_pin.condition.stability.workspace import Workspace, workspace_of
 from asmc_pin.errors import ParameterError
+from asmc_pin.shown import Cells, Shown
+from asmc_pin.text import printable
 from asmc_pin.units import check_delay, check_period
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
 
 
-@dataclass(frozen=True)
-class StabilityReport:
+@dataclass(frozen=True, repr=False)
+class StabilityReport(Shown):
     """What was found about a sampled loop; by search, so that "stable" means that no configuration tried is unstable.
 
     Attributes:
@@ -138,6 +140,15 @@ class StabilityReport:
         if self.limits is not None:
             text += _limit_lines(self.loop, self.limits)
         return text
+
+    def table(self) -> Cells:
+        """The loop and the worst configurations, joint by joint."""
+        unit = "rad or m" if any(self.about.slides) else "rad"
+        columns = (self.loop.mbar, self.loop.ks, self.loop.beta)
+        return ["joint", "m̄ kg·m²", "k_s 1/s", "β 1/s", f"worst q {unit}", "at rest"], [
+            [printable(name), *(f"{value:.6g}" for value in values), f"{q:+.4f}", f"{rest:+.4f}"]
+            for name, *values, q, rest in zip(self.joints, *columns, self.worst_q, self.rest_q, strict=True)
+        ]
 
 
 def stability(
