@@ -154,7 +154,7 @@ def test_names_are_escaped_and_steer_no_terminal(compared):
 
 def test_a_table_is_aligned_by_what_a_terminal_shows():
     lines = aligned((["joint", "m̄", "手"], [["a", "1", "2"], ["long name", "10", "–"]]))
-    assert lines == ["joint       m̄  手", "a           1   2", "long name   10   –"]
+    assert lines == ["joint       m̄  手", "a           1   2", "long name  10   –"]
     assert figure(float("nan")) == UNDEFINED
     assert figure(0.25) == "0.25"
 
