@@ -169,3 +169,10 @@ def test_a_curve_breaks_where_a_value_is_not_defined_and_stays_within_its_frame(
     assert "nan" not in sparkline([float("nan")] * 3, "e")
     long = re.search(r' d="([^"]*)"', sparkline([float(i) for i in range(10_000)], "e"))[1]
     assert long.count("L") <= 200
+
+
+def test_a_check_shows_itself_by_its_own_means():
+    result = asmc_pin.CheckResult("forged\x1b.cert", False, ("it is <forged>",), None, None, (), 0.5)
+    assert str(result).splitlines()[1] == "problem: it is <forged>"
+    assert "NOT VALID" in repr(result)
+    assert "\x1b" not in str(result) + repr(result)

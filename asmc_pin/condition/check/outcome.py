@@ -8,8 +8,7 @@ from typing import Any
 from asmc_pin.condition.check.conclusions import Conclusion
 from asmc_pin.condition.check.spot_checks import Spots
 from asmc_pin.condition.hypotheses import Hypotheses
-from asmc_pin.shown import Shown
-from asmc_pin.text import printable, rounded_down, rounded_up
+from asmc_pin.text import printable, rounded_down, rounded_up, visible
 
 
 @dataclass(frozen=True)
@@ -42,7 +41,7 @@ class CheckedStatement:
 
 
 @dataclass(frozen=True, repr=False)
-class CheckResult(Shown):
+class CheckResult:
     """What replaying a certificate came to; all of it derived from the arm and the statements inside.
 
     Attributes:
@@ -67,6 +66,13 @@ class CheckResult(Shown):
     def verdict(self) -> str | None:
         """``holds``, ``violated`` or ``undecided``; None where the certificate is not valid."""
         return None if self.conclusion is None else self.conclusion.verdict
+
+    # As of `asmc_pin.shown.Shown`, which a checker that shares nothing does not share either.
+    def __str__(self) -> str:
+        return "\n".join(map(visible, self.lines()))
+
+    def __repr__(self) -> str:
+        return f"<CheckResult: {visible(self.lines()[0])}>"
 
     def to_json_dict(self) -> dict[str, Any]:
         """The object that ``asmc-pin check --json`` prints: what is not derived is None."""
