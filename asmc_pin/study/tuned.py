@@ -14,8 +14,9 @@ from asmc_pin.files import write_whole
 from asmc_pin.metrics import METRICS
 from asmc_pin.resources import shipped
 from asmc_pin.rollout import rollout
+from asmc_pin.study.law_study import own_parameters
 from asmc_pin.study.objective import Objective
-from asmc_pin.study.paper import PPC, PROPOSED
+from asmc_pin.study.paper import PROPOSED
 from asmc_pin.study.tune import Progress, Tuning, tune
 
 SUFFIX = " tuned"
@@ -38,7 +39,7 @@ def tune_rows(experiment: Experiment, progress: Progress | None = None) -> Tunin
     law = plain.build_controllers()[PROPOSED]
     run = rollout(plain.build_plant(), law, plain.build_reference(), plain.duration)
     limit = tuple(float(f"{x:.4g}") for x in METRICS["torque_variation"](run)[0])
-    labels = [label for label in plain.controllers if label != PPC]
+    labels = [label for label in plain.controllers if own_parameters(plain, label)]
     return tune(plain, labels, objective=Objective(limit), progress=progress)
 
 
