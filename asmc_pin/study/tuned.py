@@ -1,6 +1,7 @@
 """Tuned rows of the paper's experiments: the three adaptive and switching laws, same budget, same limit of chatter.
 
-They stand in the experiment files between two marks, with the command that wrote them.
+They stand in the experiment files between two marks, with the command that wrote them. Tuning anew writes such files
+into a folder of the user's; the shipped ones are part of the package, and only a hand puts others in their place.
 """
 
 from __future__ import annotations
@@ -8,7 +9,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from asmc_pin.experiment import Experiment, load_experiment
+from asmc_pin.experiment import Experiment
 from asmc_pin.experiment.toml import write_toml
 from asmc_pin.files import write_whole
 from asmc_pin.metrics import METRICS
@@ -43,14 +44,21 @@ def tune_rows(experiment: Experiment, progress: Progress | None = None) -> Tunin
     return tune(plain, labels, objective=Objective(limit), progress=progress)
 
 
-def write_rows(tuning: Tuning) -> Path:
-    """Write the tuned rows of a shipped experiment into its file, in the place of former ones; its path."""
-    experiment = tuning.experiment
-    path = shipped("experiments") / f"{experiment.name}.toml"
-    text = _BLOCK.sub("\n", path.read_text(encoding="utf-8")).rstrip("\n") + "\n"
-    write_whole(path, text + "\n" + block(tuning))
-    load_experiment(path)  # that it can still be read
-    return path
+def write_rows(tuning: Tuning, folder: Path) -> Path:
+    """Write the file of a shipped experiment with the tuned rows in the place of its own.
+
+    Args:
+        tuning: Of the experiment.
+        folder: Where to; made if need be.
+
+    Returns:
+        Path of the file.
+    """
+    name = f"{tuning.experiment.name}.toml"
+    text = _BLOCK.sub("\n", (shipped("experiments") / name).read_text(encoding="utf-8")).rstrip("\n") + "\n"
+    folder.mkdir(parents=True, exist_ok=True)
+    write_whole(folder / name, text + "\n" + block(tuning))
+    return folder / name
 
 
 def block(tuning: Tuning) -> str:
