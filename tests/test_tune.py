@@ -97,6 +97,8 @@ def test_the_same_seed_gives_the_same_tuning_whichever_laws_are_tuned_with_it(tu
 def test_searched_values_stay_within_the_span():
     start = own_parameters(experiment(), "Existing")
     found = tune(experiment(), ["Existing"], trials=8, span=1.5).laws["Existing"].parameters
+    assert found.keys() == start.keys()
+    assert found != start, "the file's own values, the first to be tried, would say nothing"
     for name, value in found.items():
         assert start[name] / 1.5 * (1 - 1e-3) <= value <= start[name] * 1.5 * (1 + 1e-3)
 

@@ -6,7 +6,9 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import get_args
 
+from asmc_pin.choices import Acceleration
 from asmc_pin.controllers import TdeLaw, parameters_of
 
 DEG = 180.0 / math.pi
@@ -43,7 +45,7 @@ FRICTION: Mapping[str, tuple[float, float]] = {
 MOTION: Mapping[str, float] = {"ours": 1.0, "gentler": 0.8, "quicker": 2.0}
 ERRORS: Mapping[str, float] = {"deg": 1.0, "rad": 1.0 / DEG}
 START: Sequence[str] = ("holding", "relaxed")
-ESTIMATE: Sequence[str] = ("velocity", "position")
+ESTIMATE: Sequence[str] = get_args(Acceleration)
 
 AXES: Mapping[str, Sequence[str]] = {
     "gains": tuple(GAINS),
