@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -61,6 +61,9 @@ class MetricSettings:
 
 _Function = Callable[["Rollout", MetricSettings], Array]
 
+Best = Literal["smallest", "largest"] | None
+"""Which figure of several is the best; None where neither is, as of a torque or a gain."""
+
 
 @dataclass(frozen=True)
 class Metric:
@@ -72,6 +75,8 @@ class Metric:
         quantity: Key of `QUANTITIES`, which gives the unit.
         formula: The definition, in plain text.
         source: Where the definition comes from.
+        best: Which figure of several is the best; tables mark it.
+        main: Whether a person reads it first; the other metrics follow.
         function: Computes it for every trial as if none had diverged, shape (batch, nv).
     """
 
@@ -80,6 +85,8 @@ class Metric:
     quantity: str
     formula: str
     source: str
+    best: Best
+    main: bool
     function: _Function
 
     @property
@@ -108,10 +115,12 @@ _REGISTRY: dict[str, Metric] = {}
 METRICS: Mapping[str, Metric] = MappingProxyType(_REGISTRY)
 
 
-def _metric(title: str, quantity: str, formula: str, source: str) -> Callable[[_Function], _Function]:
+def _metric(
+    title: str, quantity: str, formula: str, source: str, *, best: Best = None, main: bool = False
+) -> Callable[[_Function], _Function]:
     def register(function: _Function) -> _Function:
         name = function.__name__
-        _REGISTRY[name] = Metric(name, title, quantity, formula, source, function)
+        _REGISTRY[name] = Metric(name, title, quantity, formula, source, best, main, function)
         return function
 
     return register
@@ -138,19 +147,26 @@ _OURS = "this toolkit"
 _BAEK = "Baek, Jin, Han 2016, Tables I to III"
 
 
-@_metric("RMS tracking error", "position", "√( (1/T) Σ_k e_k² ), e = q_d − q", _BAEK)
+@_metric("RMS tracking error", "position", "√( (1/T) Σ_k e_k² ), e = q_d − q", _BAEK, best="smallest", main=True)
 def rms_error(rollout: Rollout, settings: MetricSettings) -> Array:
     """Root of the mean squared tracking error over all T samples."""
     return np.asarray(np.sqrt(np.mean(_error(rollout) ** 2, axis=1)))
 
 
-@_metric("Maximum tracking error", "position", "max_k |e_k|", "Baek, Jin, Han 2016, Figs. 7, 8, 13 (|e|)")
+@_metric(
+    "Maximum tracking error",
+    "position",
+    "max_k |e_k|",
+    "Baek, Jin, Han 2016, Figs. 7, 8, 13 (|e|)",
+    best="smallest",
+    main=True,
+)
 def max_error(rollout: Rollout, settings: MetricSettings) -> Array:
     """Largest absolute tracking error."""
     return np.asarray(np.max(np.abs(_error(rollout)), axis=1))
 
 
-@_metric("Final tracking error", "position", "|e_{T−1}|", _OURS)
+@_metric("Final tracking error", "position", "|e_{T−1}|", _OURS, best="smallest")
 def final_error(rollout: Rollout, settings: MetricSettings) -> Array:
     """Absolute tracking error at the last sample."""
     return np.asarray(np.abs(_error(rollout)[:, -1]))
@@ -161,6 +177,7 @@ def final_error(rollout: Rollout, settings: MetricSettings) -> Array:
     "time",
     "min { t_k : |e_j| ≤ band for all j ≥ k }; not defined (NaN) if |e_{T−1}| > band",
     "step-response settling time, taken of the tracking error from t = 0 (Ogata, Modern Control Engineering, ch. 5)",
+    best="smallest",
 )
 def settling_time(rollout: Rollout, settings: MetricSettings) -> Array:
     """Time after which the tracking error never leaves the band again; 0 if it never was outside."""
@@ -172,7 +189,7 @@ def settling_time(rollout: Rollout, settings: MetricSettings) -> Array:
     return np.asarray(times[settled])
 
 
-@_metric("Torque RMS", "torque", "√( (1/(T−1)) Σ_{k<T−1} τ_k² ), the exact RMS of a held torque", _OURS)
+@_metric("Torque RMS", "torque", "√( (1/(T−1)) Σ_{k<T−1} τ_k² ), the exact RMS of a held torque", _OURS, main=True)
 def torque_rms(rollout: Rollout, settings: MetricSettings) -> Array:
     """Root mean square of the torque that was applied, after the drive's limits."""
     return np.asarray(np.sqrt(np.mean(_held(rollout) ** 2, axis=1)))
@@ -189,6 +206,8 @@ def torque_max(rollout: Rollout, settings: MetricSettings) -> Array:
     "torque rate",
     "Σ_{0<k<T−1} |τ_k − τ_{k−1}| / (t_{T−1} − t_0)",
     "total variation of the input (Skogestad, Postlethwaite, Multivariable Feedback Control, sec. 2.4), per second",
+    best="smallest",
+    main=True,
 )
 def torque_variation(rollout: Rollout, settings: MetricSettings) -> Array:
     """How much the torque goes up and down in a second; what is heard as chatter, and what wears gears."""

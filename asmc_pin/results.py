@@ -175,6 +175,38 @@ def trajectories(arm: Arm, rollouts: Mapping[str, Rollout], laws: Mapping[str, s
     return dataset
 
 
+def recorded_run(dataset: xr.Dataset, label: str, trial: int = 0) -> Rollout:
+    """One run out of a comparison's trajectories, for `asmc_pin.metrics.METRICS`; the inverse of `trajectories`.
+
+    Args:
+        dataset: Trajectories, or a part of them in time: a trial that diverged after that part counts as ``"ok"``.
+        label: Controller.
+        trial: Which; the run has it as its only one.
+
+    Returns:
+        The run as the plant had it. What the law was told and which joints left their limits is not recorded.
+    """
+    import numpy as np
+
+    from asmc_pin.rollout import Rollout
+
+    run = dataset.sel(controller=label).isel(trial=[trial])
+    time = dataset.time.to_numpy()
+    end = run.end_time.to_numpy()
+    shared = ("q_ref", "v_ref", "a_ref")
+    status = str(run.status.item()) if end[0] <= time[-1] else "ok"
+    return Rollout(
+        time=time,
+        **{name: run[name].to_numpy() for name in VARIABLES if name not in shared},
+        **{name: dataset[name].to_numpy() for name in shared},
+        status=(status,),
+        end_time=np.minimum(end, time[-1]),
+        joint_names=tuple(map(str, dataset.joint.to_numpy())),
+        period=float(dataset.attrs["period"]),
+        limit_violations=(),
+    )
+
+
 def write_trajectories(dataset: xr.Dataset, path: Path) -> None:
     """Write NetCDF-4 that is bitwise the same for the same data.
 

@@ -336,17 +336,58 @@ def test_a_trial_of_nan_leaves_the_others_alone(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
-def test_without_its_own_term_every_law_is_ppc(name: str) -> None:
-    """For s = 0 throughout and zero initial gain the laws share (7) to the last bit."""
+@pytest.mark.parametrize("on_the_surface", [True, False])
+def test_a_law_is_ppc_and_the_switching_term_that_it_states(name: str, on_the_surface: bool) -> None:
     law = built(name, 2)
-    ticks = [(x, Setpoint(x.q, x.v, wanted.a)) for x, wanted in random_ticks(3, 2, 5)]
+    ticks = random_ticks(3, 2, 12)
+    if on_the_surface:  # s = 0 throughout; sgn(0) = +1
+        ticks = [(x, Setpoint(x.q, x.v, wanted.a)) for x, wanted in ticks]
     ppc = Ppc(mbar=law.mbar, ks=3.0, beta=2.0, period=0.01)
     state, other = law.init(ticks[0][0]), ppc.init(ticks[0][0])
+    torques, bare, gains = [], [], []
     for x, wanted in ticks:
         torque, state = law.step(state, x, wanted)
         expected, other = ppc.step(other, x, wanted)
-        extra = law.mbar * state.gain if name == "plestan2010" else 0.0  # its floor keeps a gain, and sgn(0) = +1
-        np.testing.assert_array_equal(torque, expected + extra)
+        torques.append(torque)
+        bare.append(expected)
+        gains.append(getattr(state, "gain", np.full_like(torque, np.nan)))
+    s = np.stack([sliding_variable(law.ks, x, wanted) for x, wanted in ticks], axis=1)
+    stated = law.switching_term(s, np.stack(gains, axis=1))
+    if stated is None:
+        pytest.skip(f"{name} does not say what it adds to PPC")
+    assert stated.shape == s.shape
+    # A law may multiply its factors in another order.
+    close = {"rtol": 0.0, "atol": 0.0} if on_the_surface else {"rtol": 1e-13, "atol": 1e-13}
+    np.testing.assert_allclose(np.stack(torques, axis=1), np.stack(bare, axis=1) + law.mbar * stated, **close)
+
+
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_the_slope_of_a_boundary_layer_is_that_of_the_switching_term_at_0(name: str) -> None:
+    law, step = built(name, 2), 1e-6
+    at = np.full((1, 1, 2), step)
+    if law.boundary_slope is None:
+        return
+    rise = law.switching_term(at, np.full_like(at, np.nan)) - law.switching_term(-at, np.full_like(at, np.nan))
+    np.testing.assert_allclose(rise[0, 0] / (2.0 * step), np.broadcast_to(law.boundary_slope, (2,)), rtol=1e-9)
+
+
+def test_bsmc_has_a_boundary_layer_and_ppc_has_none() -> None:
+    assert Bsmc(**SHARED, gain=[4.0, 8.0], boundary=[2.0, 1.0]).boundary_slope.tolist() == [2.0, 8.0]
+    assert Ppc(**SHARED).boundary_slope is None
+
+
+def test_what_a_law_says_of_its_term_is_not_taken_for_that_of_a_class_derived_from_it() -> None:
+    class Mine(Baek2016):
+        pass
+
+    class Said(Baek2016):
+        switching_term = Baek2016.switching_term
+
+    own = {"phi": 1.0, "alpha": 1.0, "epsilon": 1.0}
+    s = np.ones((1, 1, 2))
+    assert Mine(**SHARED, **own).switching_term(s, s) is None
+    assert Said(**SHARED, **own).switching_term(s, 2.0 * s).tolist() == [[[2.0, 2.0]]]
+    assert [law.theorem1 for law in (Baek2016, Mine, Said)] == [True, False, False]
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
@@ -436,10 +477,12 @@ def test_a_sample_without_a_batch_axis_is_refused() -> None:
 
 def test_the_table_lists_every_law_with_its_own_parameters() -> None:
     own = {law.name: [item.name for item in law.parameters] for law in describe_laws()}
-    assert own == {
+    assert list(own) == list(CONTROLLERS)
+    known = {
         "ppc": [],
         "bsmc": ["gain", "boundary"],
         "plestan2010": ["rate", "epsilon", "floor"],
         "baek2016": ["phi", "alpha", "epsilon", "threshold"],
     }
+    assert {name: own[name] for name in known} == known
     assert all(all(row.values()) for row in controllers_table())

@@ -13,7 +13,17 @@ from plant_cases import Accelerating, Still, Waving, slider
 from asmc_pin.arms import Arm, load_arm
 from asmc_pin.baselines import PdGravity
 from asmc_pin.condition import lemma1_norm
-from asmc_pin.controllers import CONTROLLERS, Baek2016, Bsmc, Plestan2010, Ppc, Sample, Setpoint
+from asmc_pin.controllers import (
+    CONTROLLERS,
+    REQUIRED,
+    Baek2016,
+    Bsmc,
+    Plestan2010,
+    Ppc,
+    Sample,
+    Setpoint,
+    parameters_of,
+)
 from asmc_pin.errors import ParameterError
 from asmc_pin.monitors import STATEMENTS, gamma_at_ticks, monitor
 from asmc_pin.plant import Disturbance, Drive, Friction, PayloadChange, Plant, Sensor, Spread
@@ -32,7 +42,10 @@ SMOOTH = Friction(0.0, 0.0)
 
 
 def law_of(name: str, period: float = 1e-3, **options: Any) -> Any:
-    return CONTROLLERS[name](**{"mbar": [0.08, 0.03], "period": period, **SHARED, **OWN[name], **options})
+    """A registered law; what it requires of its own is 0.4 where OWN has no values that make it work hard."""
+    required = {key: 0.4 for key, item in parameters_of(CONTROLLERS[name]).items() if item.default is REQUIRED}
+    own = required | {"mbar": [0.08, 0.03], "period": period} | SHARED | OWN.get(name, {})
+    return CONTROLLERS[name](**(own | options))
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +100,9 @@ def test_the_arm_does_what_the_law_wants_plus_n_and_nothing_else(arm: Arm, name:
     seen, plant = run(arm, law)
     signals = monitor(seen, plant, law).signals
     assert signals is not None
-    assert signals.switching is not None
+    if signals.switching is None:
+        assert not signals.shortfall
+        return
     rate = seen.v_ref - seen.v
     wanted = seen.a_ref + law.ks * rate + law.beta * seen.s + signals.switching
     mean = np.diff(seen.v, axis=1) / law.period
@@ -276,16 +291,15 @@ def test_a_law_without_mbar_has_no_gamma_and_the_reason_is_given(arm: Arm) -> No
     assert np.isnan(found.error).all()
 
 
-@pytest.mark.parametrize(
-    "law", [law_of("ppc"), law_of("bsmc"), law_of("plestan2010")], ids=lambda law: type(law).__name__
-)
-def test_what_is_proved_for_the_adaptive_law_says_nothing_about_others(arm: Arm, law: Any) -> None:
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_what_is_proved_for_the_adaptive_law_says_nothing_about_others(arm: Arm, name: str) -> None:
+    law = law_of(name)
     seen, plant = run(arm, law, seconds=0.05)
     found = monitor(seen, plant, law)
     for key in ("lemma2", "eq16", "t_eps", "eq21"):
         claim = found.claim(key)
-        assert claim.status == "not applicable"
-        assert f"not for {type(law).__name__}" in claim.reason
+        assert (claim.status == "not applicable") is not law.theorem1
+        assert (f"not for {type(law).__name__}" in claim.reason) is not law.theorem1
     assert {found.claim(key).status for key in ("lemma1", "contraction")} <= {"held", "broken"}
 
 

@@ -92,8 +92,9 @@ def test_of_two_laws_that_ran_the_better_is_marked() -> None:
     from asmc_pin.report.fragments import table_html
     from asmc_pin.report.tables import Table
 
-    table = Table("", ["controller", "a", "b"], [["one", "0.5", "2.0"], ["two", "0.25", "–"], ["three", "0.30", "3.0"]])
-    assert Text(table_html(table, {}, [1, 2])).best == ["2.0", "0.25"]
+    rows = [["one", "0.5", "2.0", "7"], ["two", "0.25", "–", "6"], ["three", "0.30", "3.0", "5"]]
+    table = Table("", ["controller", "a", "b", "c"], rows, [None, "smallest", "largest", None])
+    assert Text(table_html(table, {})).best == ["0.25", "3.0"]
 
 
 def test_every_metric_is_defined(text: Text) -> None:

@@ -13,8 +13,18 @@ from asmc_pin.media import for_latex
 from asmc_pin.metrics import METRICS
 from asmc_pin.report.curves import running_max, spread, thinned
 from asmc_pin.report.figures import FIGURES, draw_figures
+from asmc_pin.report.fragments import table_html
 from asmc_pin.report.latex import latex_table
-from asmc_pin.report.tables import markdown_table, metric_table, metric_tables_markdown, number, overview, short_names
+from asmc_pin.report.tables import (
+    Table,
+    markdown_table,
+    metric_table,
+    metric_tables_markdown,
+    number,
+    overview,
+    per_joint,
+    short_names,
+)
 
 
 def summary(joints=("arm_shoulder_joint", "arm_elbow_joint"), kinds=("revolute", "revolute"), **columns):
@@ -92,11 +102,40 @@ def test_the_overview_has_the_worst_error_and_the_whole_chatter_and_the_status_o
 
 def test_markdown_marks_the_smallest_figure_and_keeps_its_columns():
     frame = summary(rms_error=np.radians([1.0, np.nan, 0.5, np.nan]))
-    text = markdown_table(metric_table(frame, "rms_error"), bold_smallest=True)
+    text = markdown_table(metric_table(frame, "rms_error"))
     lines = text.splitlines()
     assert lines[2] == "| PPC | 1.00 | – |"
     assert lines[3] == r"| 50% \| {x}_1 | **0.500** | – |"
     assert {len(re.findall(r"(?<!\\)\|", line)) for line in lines} == {4}
+
+
+def marked_by(text, opening, closing):
+    return re.findall(f"{re.escape(opening)}([^*}}<]*){re.escape(closing)}", text)
+
+
+@pytest.mark.parametrize("name", METRICS)
+def test_every_kind_of_table_marks_the_same_best_figure_as_the_metric_says(name):
+    frame = summary(**{name: np.array([1.0, 4.0, 2.0, 3.0])})
+    _, _, values = per_joint(frame, name)
+    pick = {"smallest": np.min, "largest": np.max, None: None}[METRICS[name].best]
+    expected = [] if pick is None else sorted(number(pick(column)) for column in values.T)
+    table = metric_table(frame, name)
+    assert sorted(marked_by(markdown_table(table), "**", "**")) == expected
+    assert sorted(marked_by(table_html(table, {}), '<td class="best">', "</td>")) == expected
+    assert sorted(marked_by(latex_table(frame, [name]), r"\textbf{", "}")) == expected
+
+
+def test_a_metric_of_which_more_is_better_has_its_largest_figure_marked():
+    table = Table(
+        "", ["controller", "a", "b"], [["one", "1.0", "–"], ["two", "3.0", "2"]], [None, "largest", "largest"]
+    )
+    assert table.marked() == {(1, 1), (1, 2)}
+
+
+def test_the_overview_marks_what_the_metrics_in_it_mark():
+    table = overview(summary(max_error=np.radians([1.0, 3.0, 2.0, 1.0]), torque_variation=[10.0, 20.0, 1.0, 2.0]))
+    assert {table.header[column] for _, column in table.marked()} == {"worst error [deg]", "chatter [N·m/s]"}
+    assert markdown_table(table).count("**") == 4
 
 
 def test_equal_figures_have_no_winner_and_metrics_without_any_figure_no_table():

@@ -11,14 +11,19 @@ import pytest
 
 from asmc_pin import load_experiment, rollout
 from asmc_pin.errors import ExperimentError, ResultError
+from asmc_pin.metrics import METRICS, evaluate
 from asmc_pin.report.reproduction import page
+from asmc_pin.resources import shipped
+from asmc_pin.results import recorded_run, trajectories
 from asmc_pin.study.claims import CLAIMS, judge
 from asmc_pin.study.limits import break_away, limits, needed_gain
+from asmc_pin.study.measure import measure
 from asmc_pin.study.paper import NAMES, PAPER
 from asmc_pin.study.reading_search import factor, nearest, reconciled
 from asmc_pin.study.readings import AXES, Outcome, read, readings
 from asmc_pin.study.reproduce import READINGS, SETS, reading_of, reproduce
-from asmc_pin.study.tuned import SUFFIX
+from asmc_pin.study.tune import tune
+from asmc_pin.study.tuned import SUFFIX, untuned
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 
@@ -218,6 +223,83 @@ def test_the_printed_gains_cannot_reach_the_printed_error_but_those_of_the_robot
     assert min(limits(load_experiment(smooth.name), smooth)["drift_deg"]) > 100.0 * max(smooth.rms_deg["PPC"])
     found = limits(load_experiment(robot.name), robot)["drift_deg"]
     assert found == pytest.approx(robot.rms_deg["PPC"], rel=0.5)
+
+
+# Measuring and tuning -----------------------------------------------------------------------------------------------
+
+
+def short_run(**changes):
+    experiment = load_experiment("baek2016_experiment")
+    laws = {label: {**experiment.controllers[label], **changes} for label in ("PPC", "Proposed")}
+    return experiment.replace(controllers=laws, duration=1.0, plant={"effort_limit": math.inf})
+
+
+def recorded(experiment):
+    runs = {
+        label: rollout(experiment.build_plant(), law, experiment.build_reference(), experiment.duration)
+        for label, law in experiment.build_controllers().items()
+    }
+    laws = {label: table["law"] for label, table in experiment.controllers.items()}
+    return runs, trajectories(experiment.build_arm(), runs, laws)
+
+
+def test_a_run_read_back_from_its_trajectories_has_the_same_metrics():
+    runs, dataset = recorded(short_run())
+    for label, run in runs.items():
+        for name, values in evaluate(run).items():
+            assert np.array_equal(evaluate(recorded_run(dataset, label))[name], values, equal_nan=True), name
+
+
+def test_what_is_measured_is_what_the_metrics_say_of_the_run_and_of_its_parts():
+    runs, dataset = recorded(short_run())
+    run, found = runs["Proposed"], measure(dataset, "Proposed", 0.5)
+    assert found["max_error_deg"] == np.degrees(METRICS["max_error"](run)[0]).tolist()
+    assert found["torque_variation"] == METRICS["torque_variation"](run)[0].tolist()
+    error = (run.q_ref - run.q[0])[run.time <= 0.5 + 1e-9]
+    assert found["rms_deg"] == pytest.approx(np.degrees(np.sqrt(np.mean(error**2, axis=0))).tolist(), rel=1e-14)
+    late = 3 * run.time.size // 4
+    assert found["peak_gain_before"] == run.gain[0, :late].max(axis=0).tolist()
+    assert found["peak_gain_last_quarter"] == run.gain[0, late:].max(axis=0).tolist()
+    assert measure(dataset, "PPC", None)["peak_gain"] == [None, None]
+
+
+def test_a_law_that_diverges_after_the_window_of_its_table_still_has_an_rms_error_over_it():
+    runs, dataset = recorded(short_run(ks=3000.0, beta=3000.0))
+    run = runs["PPC"]
+    assert run.status == ("diverged",)
+    before = float(run.end_time[0]) - 0.008
+    assert all(x is not None for x in measure(dataset, "PPC", before)["rms_deg"])
+    assert measure(dataset, "PPC", float(run.end_time[0]))["rms_deg"] == [None, None]
+    found = measure(dataset, "PPC", before)
+    assert (found["status"], found["max_error_deg"]) == ("diverged", [None, None])
+
+
+def test_tuning_anew_writes_into_the_users_folder_and_runs_what_lies_there(tmp_path, monkeypatch):
+    name = "baek2016_experiment"
+    files = sorted(shipped("experiments").iterdir())
+    before = {path: path.read_bytes() for path in files}
+    ran = []
+
+    class Enough(Exception):
+        pass
+
+    def stop(experiment, *_):
+        ran.append(experiment)
+        raise Enough
+
+    def quickly(experiment, _progress):
+        plain = experiment.replace(controllers=untuned(experiment), duration=0.4)
+        return tune(plain, ["Existing"], trials=2, batch=2)
+
+    monkeypatch.setattr("asmc_pin.study.reproduce.tune_rows", quickly)
+    monkeypatch.setattr("asmc_pin.study.reproduce.compare", stop)
+    with pytest.raises(Enough):
+        reproduce([name], tmp_path / "out", tune=True)
+    path = tmp_path / "out" / "tuned" / f"{name}.toml"
+    assert ran[0].to_toml() == load_experiment(path).to_toml()
+    assert [label for label in ran[0].controllers if label.endswith(SUFFIX)] == ["Existing" + SUFFIX]
+    assert "# 2 trials for each law" in path.read_text(encoding="utf-8")
+    assert {path: path.read_bytes() for path in sorted(shipped("experiments").iterdir())} == before
 
 
 # The whole ----------------------------------------------------------------------------------------------------------

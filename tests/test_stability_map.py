@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -11,8 +12,9 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from asmc_pin._typing import Array
+from asmc_pin.choices import Acceleration
 from asmc_pin.condition.stability import SampledLoop, closed_loop, inertia_ratios, modal_radius, spectral_radius
-from asmc_pin.controllers import CONTROLLERS, Sample, Setpoint
+from asmc_pin.controllers import CONTROLLERS, Sample, Setpoint, TdeLaw, parameters_of
 from asmc_pin.errors import NotPositiveDefinite, ParameterError
 
 MASS = np.array([[0.7, 0.2, 0.05], [0.2, 0.3, 0.04], [0.05, 0.04, 0.09]])
@@ -20,7 +22,7 @@ MBAR = np.array([0.15, 0.1, 0.04])
 KS = np.array([12.0, 20.0, 31.0])
 TIMINGS = [
     {"acceleration": acceleration, "filter_hz": filter_hz, "delay": delay}
-    for acceleration in ("velocity", "position")
+    for acceleration in get_args(Acceleration)
     for filter_hz in (None, 35.0)
     for delay in (0.0, 0.35, 1.0, 2.6)
 ]
@@ -111,6 +113,12 @@ def test_closed_form_of_the_plain_loop(a: float, beta: float, ks: float, period:
     radius = float(modal_radius(np.array([a]), SampledLoop(1.0, ks, beta, period))[0])
     if min(abs(fast), abs(slow) / (beta + ks)) > 1e-6 and abs(a - 2.0) > 1e-6:
         assert (radius < 1.0) == (a < 2.0 and fast < 0.0 and slow < 0.0)
+
+
+def test_the_map_knows_the_estimates_that_the_laws_have() -> None:
+    assert get_args(Acceleration) == parameters_of(TdeLaw)["acceleration"].options
+    with pytest.raises(ParameterError, match="expected 'velocity' or 'position'"):
+        SampledLoop(MBAR, 18.0, 25.0, 0.002, acceleration="sometimes")  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("timing", TIMINGS, ids=str)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from asmc_pin import rollout
-from asmc_pin.controllers import CONTROLLERS
+from asmc_pin.controllers import CONTROLLERS, REQUIRED, PerJoint, Scalar, TdeLaw, parameters_of
 from asmc_pin.errors import ExperimentError, ParameterError, ResultError
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
@@ -97,6 +97,8 @@ def test_the_same_seed_gives_the_same_tuning_whichever_laws_are_tuned_with_it(tu
 def test_searched_values_stay_within_the_span():
     start = own_parameters(experiment(), "Existing")
     found = tune(experiment(), ["Existing"], trials=8, span=1.5).laws["Existing"].parameters
+    assert found.keys() == start.keys()
+    assert found != start, "the file's own values, the first to be tried, would say nothing"
     for name, value in found.items():
         assert start[name] / 1.5 * (1 - 1e-3) <= value <= start[name] * 1.5 * (1 + 1e-3)
 
@@ -154,18 +156,20 @@ def test_a_setting_that_diverges_ranks_behind_every_other_and_the_earlier_the_wo
     assert value[0] < 1.0 < value[1] < value[2]
 
 
-@pytest.mark.parametrize("label", ["PPC", "BSMC", "Existing", "Proposed"])
-def test_a_stacked_setting_runs_as_it_would_alone(label):
+def settings_of(name):
+    """Two settings of a registered law that differ in every number of its own, and in K_s and β."""
+    law, shared = CONTROLLERS[name], parameters_of(TdeLaw)
+    own = {key: item for key, item in parameters_of(law).items() if key not in shared}
+    base = {"mbar": [0.07, 0.12], "period": 0.004}
+    first = {key: 0.4 for key, item in own.items() if item.default is REQUIRED}
+    second = {key: 0.7 for key, item in own.items() if isinstance(item, (PerJoint, Scalar))}
+    return law(**base, ks=20.0, beta=20.0, **first), law(**base, ks=10.0, beta=15.0, **second)
+
+
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_a_stacked_setting_runs_as_it_would_alone(name):
     item = experiment()
-    law = item.build_controllers()[label]
-    other = experiment(
-        controllers={
-            "PPC": {"law": "ppc", "ks": 10.0},
-            "BSMC": {"law": "bsmc", "gain": 9.0, "boundary": 0.1},
-            "Existing": {"law": "plestan2010", "rate": 10.0, "epsilon": 0.1, "floor": 0.5},
-            "Proposed": {"law": "baek2016", "phi": 4000.0, "alpha": 1.0, "epsilon": 0.2, "threshold": 1e-3},
-        }
-    ).build_controllers()[label]
+    law, other = settings_of(name)
     plant, reference = item.build_plant(), item.build_reference()
     both = rollout(plant, Stacked([law, other], 2), reference, 1.0, batch=2)
     for trial, single in enumerate((law, other)):
@@ -173,6 +177,7 @@ def test_a_stacked_setting_runs_as_it_would_alone(label):
         assert np.array_equal(both.q[trial], alone.q[0])
         assert np.array_equal(both.torque[trial], alone.torque[0])
         assert np.array_equal(both.gain[trial], alone.gain[0], equal_nan=True)
+    assert not np.array_equal(both.torque[0], both.torque[1])
 
 
 def test_laws_that_differ_in_kind_are_not_stacked():

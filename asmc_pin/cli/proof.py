@@ -78,7 +78,7 @@ def reproduce(
     ] = "results/reproduction",
     force: Annotated[bool, typer.Option("--force", help="Replace results that are there already.")] = False,
     search: Annotated[bool, typer.Option("--search/--no-search", help="Try other readings of units and gains.")] = True,
-    tune: Annotated[bool, typer.Option("--tune", help="Tune the laws anew first (long).")] = False,
+    tune: Annotated[bool, typer.Option("--tune", help="Tune the laws anew first (long), into DIR/tuned.")] = False,
     docs: Annotated[str | None, typer.Option(metavar="DIR", help="Write the page into this folder as well.")] = None,
     as_json: JsonOption = False,
 ) -> None:

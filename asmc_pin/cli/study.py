@@ -117,6 +117,7 @@ def warn(line: str) -> None:
 def print_comparison(comparison: Comparison) -> None:
     """Print the table that a person reads first, what to know about it, and where the rest lies."""
     from rich.table import Table
+    from rich.text import Text
 
     console = rich_console()
     overview = comparison.overview()
@@ -136,8 +137,9 @@ def print_comparison(comparison: Comparison) -> None:
     table = Table(*header, title=overview.title, title_justify="left", box=None, pad_edge=False, collapse_padding=True)
     for column in table.columns[1:]:
         column.justify = "right"
-    for row in rows:
-        table.add_row(*row)
+    best = overview.marked()
+    for i, row in enumerate(rows):
+        table.add_row(*(Text(cell, style="bold" if (i, j) in best else "") for j, cell in enumerate(row)))
     console.print(table)
     for line in comparison.remarks():
         console.print(visible(line), soft_wrap=True)

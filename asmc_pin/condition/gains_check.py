@@ -67,9 +67,9 @@ def gain_warnings(
         loop = loop_for(arm, law.mbar, law.ks, law.beta, own, **timing)
         key = (loop.mbar.tobytes(), loop.ks.tobytes(), loop.beta.tobytes(), loop.period, *timing.values())
         by_loop.setdefault(key, (loop, []))[1].append(label)
-        if hasattr(law, "boundary") and hasattr(law, "gain"):
-            steep = loop.beta + np.asarray(law.gain) / np.asarray(law.boundary)
-            layers.append((label, loop_for(arm, law.mbar, law.ks, steep, own, **timing)))
+        slope = getattr(law, "boundary_slope", None)
+        if slope is not None:
+            layers.append((label, loop_for(arm, law.mbar, law.ks, loop.beta + slope, own, **timing)))
     if not by_loop:
         return []
     friction = None if viscous is None else _counted_on(viscous, arm.nv)

@@ -47,7 +47,6 @@ __all__ = [
     "describe_laws",
     "describe_parameter",
     "parameters_of",
-    "shared_parameters",
     "signed",
     "sliding_variable",
 ]
@@ -127,11 +126,6 @@ def describe_laws() -> tuple[LawInfo, ...]:
         )
         for name, law in CONTROLLERS.items()
     )
-
-
-def shared_parameters() -> tuple[ParameterInfo, ...]:
-    """The parameters that every law takes."""
-    return tuple(describe_parameter(item) for item in parameters_of(TdeLaw).values())
 
 
 def describe_parameter(item: Parameter[object, object]) -> ParameterInfo:

@@ -32,6 +32,7 @@ class Baek2016(TdeLaw):
         "τ = PPC + M̄ K̂ sgn(s);  dk̂ᵢ/dt = φᵢ (|sᵢ|/αᵢ)^θ θ, θ = sgn(‖s‖_∞ − ε), but +1 where k̂ᵢ = 0"
     )
     reference: ClassVar[str] = "Baek, Jin, Han (2016), eqs. (9)–(11)"
+    theorem1: ClassVar[bool] = True
 
     phi: PerJoint = PerJoint("φ", "rad/s³", above=0.0)
     alpha: PerJoint = PerJoint("α", "rad/s", above=0.0)
@@ -47,6 +48,10 @@ class Baek2016(TdeLaw):
         torque, s, tde = self.pole_placement(state.tde, sample, setpoint)
         gain = self.adapt(state.gain, s)
         return torque + self.mbar * signed(gain, s), AdaptiveState(tde, gain)
+
+    def switching_term(self, s: Array, gain: Array) -> Array:
+        """The term w = k̂ sgn(s) at the ticks of a run; see `TdeLaw.switching_term`."""
+        return signed(gain, s)
 
     def adapt(self, gain: Array, s: Array) -> Array:
         """One explicit step of the adaptive law (11), over L with s held.

@@ -34,6 +34,15 @@ class Bsmc(TdeLaw):
         torque, s, state = self.pole_placement(state, sample, setpoint)
         return torque + self.mbar * self.gain * self.saturation(s), state
 
+    def switching_term(self, s: Array, gain: Array) -> Array:
+        """The term w = K sat(s/Φ) at the ticks of a run; see `TdeLaw.switching_term`."""
+        return np.asarray(self.gain * self.saturation(s))
+
+    @property
+    def boundary_slope(self) -> Array:
+        """K/Φ, a scalar or (nv,), 1/s."""
+        return np.asarray(self.gain / self.boundary)
+
     def saturation(self, s: Array) -> Array:
         """sat(s/Φ), in −1…1. s is clipped before the division, which therefore cannot overflow."""
         inside: Array = np.minimum(np.maximum(s, -self.boundary), self.boundary)

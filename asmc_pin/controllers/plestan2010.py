@@ -44,6 +44,10 @@ class Plestan2010(TdeLaw):
         gain = self.adapt(state.gain, s)
         return torque + self.mbar * signed(gain, s), AdaptiveState(tde, gain)
 
+    def switching_term(self, s: Array, gain: Array) -> Array:
+        """The term w = k̂ sgn(s) at the ticks of a run; see `TdeLaw.switching_term`."""
+        return signed(gain, s)
+
     def adapt(self, gain: Array, s: Array) -> Array:
         """k̂_k from k̂_{k−1}, both (batch, nv) with equal columns, rad/s², and s_k, (batch, nv), rad/s.
 

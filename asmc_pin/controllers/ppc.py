@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from asmc_pin._typing import Array
 from asmc_pin.controllers.base import Sample, Setpoint
 from asmc_pin.controllers.tde import TdeLaw, TdeState
@@ -22,3 +24,7 @@ class Ppc(TdeLaw):
         """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
         torque, _, state = self.pole_placement(state, sample, setpoint)
         return torque, state
+
+    def switching_term(self, s: Array, gain: Array) -> Array:
+        """Nothing is added to PPC: 0 at every tick; see `TdeLaw.switching_term`."""
+        return np.zeros_like(s)

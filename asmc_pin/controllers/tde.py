@@ -74,7 +74,8 @@ class AdaptiveState(NamedTuple):
 class TdeLaw(ABC):
     r"""Parameters of (7), and (7) itself. The laws derive from it and add their own term.
 
-    What the loop is can be read from the attributes below; the sampled-data analysis does.
+    What the loop is can be read from the attributes below; the sampled-data analysis does. What else a law says of its
+    own term, others ask it: `switching_term`, `boundary_slope`, `theorem1`.
 
     Attributes:
         mbar: Diagonal of M̄, scalar or nv values, above 0, kg·m².
@@ -92,6 +93,8 @@ class TdeLaw(ABC):
     title: ClassVar[str] = ""
     equation: ClassVar[str] = ""
     reference: ClassVar[str] = ""
+    theorem1: ClassVar[bool] = False
+    """Whether Lemma 2, (16) and Theorem 1 are proved for it: it adapts by (11), with φ, α, ε and a threshold."""
 
     mbar: PerJoint = PerJoint("diagonal of M̄", "kg·m²", above=0.0)
     ks: PerJoint = PerJoint("diagonal of K_s", "1/s", above=0.0)
@@ -99,6 +102,13 @@ class TdeLaw(ABC):
     period: Scalar = Scalar("control period L", "s", above=0.0)
     acceleration: Choice = Choice("estimate of q̈(t−L)", ("velocity", "position"), default="velocity")
     filter_hz: OptionalScalar = OptionalScalar("low-pass corner of that estimate", "Hz", above=0.0)
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        """A class derived from a law may do something else in a tick: what it does not say itself is not known."""
+        super().__init_subclass__(**kwargs)
+        for name in ("switching_term", "theorem1"):
+            if name not in vars(cls):
+                setattr(cls, name, vars(TdeLaw)[name])
 
     def __post_init__(self) -> None:
         match_joints(self)
@@ -115,6 +125,23 @@ class TdeLaw(ABC):
         c = 1 − exp(−2π f L), the exact discretisation of a first-order lag whose input is held over L.
         """
         return 1.0 if self.filter_hz is None else -math.expm1(-2.0 * math.pi * self.filter_hz * self.period)
+
+    def switching_term(self, s: Array, gain: Array) -> Array | None:
+        """w, what the law adds to PPC inside the bracket that M̄ multiplies: τ = PPC + M̄ w; of one class alone.
+
+        Args:
+            s: The sliding variable at every tick from t = 0 on, (batch, T, nv), rad/s.
+            gain: What the law's state called ``gain`` at these ticks, likewise; NaN where it has none.
+
+        Returns:
+            w at these ticks, (batch, T, nv), rad/s²; None if the law does not say.
+        """
+        return None
+
+    @property
+    def boundary_slope(self) -> Array | None:
+        """dw/ds inside a boundary layer, where it acts as so much more β, a scalar or (nv,), 1/s; None without one."""
+        return None
 
     def for_joints(self, nv: int) -> Self:
         """The same law with every per-joint parameter of shape (nv,).

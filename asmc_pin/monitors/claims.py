@@ -26,27 +26,33 @@ class Statement:
         title: Its name in tables.
         text: What it says.
         unit: Of the amount by which it is broken.
+        latex: Its heading in a LaTeX table.
+        adaptive: Whether it speaks of the adaptive law (11) alone.
     """
 
     title: str
     text: str
     unit: str
+    latex: str
+    adaptive: bool = False
 
 
 STATEMENTS: Mapping[str, Statement] = {
-    "lemma1": Statement("Lemma 1 (condition)", "‖I − M(q)⁻¹M̄‖₂ < 1 along the motion", "1"),
-    "contraction": Statement(
-        "Lemma 1 (contraction)", "‖N‖₂ does not grow from tick to tick (as L → 0 nothing comes in)", "rad/s²"
+    "lemma1": Statement(
+        "Lemma 1 (condition)", "‖I − M(q)⁻¹M̄‖₂ < 1 along the motion", "1", r"$\|I - M^{-1}\bar{M}\|_2 < 1$"
     ),
-    "lemma2": Statement("Lemma 2", "k̂ᵢ < k̂ᵢ*, with the bound that (12) and (16) give", "rad/s²"),
-    "eq16": Statement("(16)", "V̇ ≤ −β‖s‖² while ‖s‖_∞ ≥ ε", "rad²/s³"),
-    "t_eps": Statement("finite t_ε", "s enters ‖s‖_∞ < ε, by V/(βε²) after the start", "s"),
-    "eq21": Statement("Theorem 1 (21)", "‖s‖₂ < √(nε² + k̃_M) from t_ε on", "rad/s"),
+    "contraction": Statement(
+        "Lemma 1 (contraction)",
+        "‖N‖₂ does not grow from tick to tick (as L → 0 nothing comes in)",
+        "rad/s²",
+        r"$\|N\|_2$ falls",
+    ),
+    "lemma2": Statement("Lemma 2", "k̂ᵢ < k̂ᵢ*, with the bound that (12) and (16) give", "rad/s²", "Lemma 2", True),
+    "eq16": Statement("(16)", "V̇ ≤ −β‖s‖² while ‖s‖_∞ ≥ ε", "rad²/s³", "(16)", True),
+    "t_eps": Statement("finite t_ε", "s enters ‖s‖_∞ < ε, by V/(βε²) after the start", "s", r"$t_\varepsilon$", True),
+    "eq21": Statement("Theorem 1 (21)", "‖s‖₂ < √(nε² + k̃_M) from t_ε on", "rad/s", "(21)", True),
 }
 """The claims by their keys, in the order of the tables."""
-
-ABOUT_BAEK2016 = ("lemma2", "eq16", "t_eps", "eq21")
-"""Those that speak of the adaptive law (11)."""
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array, BoolArray
-from asmc_pin.controllers import Baek2016
 from asmc_pin.errors import ParameterError
 from asmc_pin.monitors import evaluate
-from asmc_pin.monitors.claims import ABOUT_BAEK2016, STATEMENTS, Claim, not_applicable
+from asmc_pin.monitors.claims import STATEMENTS, Claim, not_applicable
 from asmc_pin.monitors.lyapunov import lyapunov_of
 from asmc_pin.monitors.signals import Signals, signals_of
 from asmc_pin.monitors.tde import contraction_of
@@ -85,7 +84,7 @@ def monitor(
     Args:
         rollout: What happened.
         arm: The plant that it happened on; or its arm, or one per trial, where nothing is picked up or scattered.
-        law: The law that ran. N and Lemma 1 need its ``mbar``; Lemma 2, (16) and (21) are about `Baek2016`.
+        law: The law that ran. N and Lemma 1 need its ``mbar``; Lemma 2, (16) and (21) are about one with `theorem1`.
         effort_limit: Torque limits of the drives, (nv,) or (batch, nv), N·m; the plant's or the arm's when omitted.
         trials: Numbers of the trials, if the rollout was given any.
 
@@ -138,9 +137,9 @@ def _trial(
     for name in ("norm", "growth", "carried"):
         out[name][trial] = getattr(found, name)
     claims = [evaluate.lemma1(trial, rollout.time, found), evaluate.contraction(trial, rollout.time, found)]
-    if type(law) is not Baek2016:
+    if not getattr(law, "theorem1", False):
         reason = f"it is proved for the adaptive law (11) of baek2016, not for {type(law).__name__}"
-        return claims + [not_applicable(key, trial, reason) for key in ABOUT_BAEK2016]
+        return claims + [not_applicable(key, trial, reason) for key, item in STATEMENTS.items() if item.adaptive]
     proof = lyapunov_of(out["signals"], rollout.gain, law, out["star"], trial)
     out["lyapunov"][trial] = proof.value
     for name in ("excess", "s_size", "claimed", "gain_bound", "s_bound"):

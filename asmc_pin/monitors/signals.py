@@ -22,8 +22,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import lfilter
 
-from asmc_pin._typing import Array, BoolArray
-from asmc_pin.controllers import Baek2016, Bsmc, Plestan2010, Ppc, signed
+from asmc_pin._typing import Array
 from asmc_pin.monitors.truth import Truth, World
 from asmc_pin.rollout import Rollout
 
@@ -39,8 +38,8 @@ class Signals:
         gamma: Γ_k, rad/s².
         estimate: Γ̂_k, rad/s².
         error: N_k, rad/s².
-        switching: w_k, rad/s²; None for a law whose term is not known here.
-        shortfall: r_k by what it comes from (`SATURATION`, `NOISE`, `DRIVE`), rad/s²; empty where w is not known.
+        switching: w_k, rad/s²; None for a law that does not say.
+        shortfall: r_k by what it comes from (`SATURATION`, `NOISE`, `DRIVE`), rad/s²; empty where it does not say w.
     """
 
     s: Array
@@ -125,20 +124,9 @@ def estimated_acceleration(q: Array, v: Array, period: float, law: Any) -> Array
 
 
 def switching_term(law: Any, s: Array, gain: Array) -> Array | None:
-    """w: what the law adds to PPC inside the bracket that M̄ multiplies, rad/s²; None for a law not known here."""
-    kind = type(law)  # what derives from one of these may well have another term
-    if kind in (Baek2016, Plestan2010):
-        return signed(gain, s)
-    if kind is Bsmc:
-        return np.asarray(law.gain * law.saturation(s))
-    return np.zeros_like(s) if kind is Ppc else None
-
-
-def saturated(signals: Signals) -> BoolArray:
-    """Where the law asked for more torque than there is, shape (batch, T, nv)."""
-    if SATURATION not in signals.shortfall:
-        return np.zeros(signals.s.shape, dtype=np.bool_)
-    return np.asarray(np.nan_to_num(signals.shortfall[SATURATION]) != 0.0)
+    """w, what the law adds to PPC; None for a law that does not say. See `asmc_pin.controllers.TdeLaw`."""
+    said: Array | None = law.switching_term(s, gain) if hasattr(law, "switching_term") else None
+    return said
 
 
 def gamma_at_ticks(rollout: Rollout, arm: World, law: Any) -> Array:

@@ -54,12 +54,6 @@ class ElasticMechanics:
             return np.asarray(torque)
         return np.asarray(np.where(past > 0.0, np.maximum(torque, 0.0), np.where(past < 0.0, np.minimum(torque, 0), 0)))
 
-    def gear_energy(self, x: Array) -> Array:
-        """Energy stored in the gears, (batch,), J."""
-        bend = x[:, self._nv :] - x[:, : self._nv]
-        past = bend - np.clip(bend, -self._half_play, self._half_play)
-        return np.asarray(0.5 * np.sum(self._stiffness * past**2, axis=-1))
-
     def fastest(self, q: Array) -> float:
         """The highest natural frequency of the links against their rotors at q, (batch, nv), rad/s."""
         inverse = np.linalg.inv(self.links.mass_matrix(q)) + np.diag(1.0 / self._rotor)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,17 +10,6 @@ from numpy.typing import ArrayLike
 from asmc_pin._typing import Array
 from asmc_pin.errors import ParameterError
 from asmc_pin.plant.parameters import per_trial, read_only
-
-_NAMES = (
-    "coulomb",
-    "viscous",
-    "breakaway",
-    "stribeck_velocity",
-    "coulomb_backward",
-    "breakaway_backward",
-    "presliding",
-    "presliding_damping",
-)
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -87,7 +76,7 @@ class Friction:
                     read_only("friction.breakaway", breakaway), read_only("friction.coulomb_backward", coulomb_backward)
                 )
         given |= {"breakaway_backward": breakaway_backward}
-        for name in _NAMES:
+        for name in _names():
             value = read_only(f"friction.{name}", given[name])
             if not np.all(np.isfinite(value) & (value >= 0.0)):
                 raise ParameterError(
@@ -106,7 +95,7 @@ class Friction:
             try:
                 below = level < least
             except ValueError:
-                continue  # of different sizes; `of_trials` says for which joints
+                continue  # of different sizes; `spread` says for which joints
             if np.any(below):
                 raise ParameterError(
                     f"friction.breakaway{end}",
@@ -127,14 +116,6 @@ class Friction:
     def _levels(self) -> tuple[Array, Array, Array]:
         return self.coulomb_backward, self.breakaway, self.breakaway_backward
 
-    def of_trials(self, batch: int, nv: int) -> tuple[Array, Array]:
-        """Coulomb levels and viscous coefficients, each of shape (batch, nv).
-
-        Raises:
-            ParameterError: the parameters are for another number of joints or trials.
-        """
-        return self.spread("coulomb", batch, nv), self.spread("viscous", batch, nv)
-
     def spread(self, name: str, batch: int, nv: int) -> Array:
         """One of the attributes as a new array of shape (batch, nv).
 
@@ -149,12 +130,17 @@ class Friction:
         Raises:
             ParameterError: one is not.
         """
-        for name in _NAMES:
+        for name in _names():
             value = getattr(self, name)
             per_trial(f"friction.{name}", value, len(value) if value.ndim == 2 else 1, nv)
 
     def scaled(self, factor: Array) -> Friction:
         """Friction with every torque (levels and coefficients) multiplied by factors, (batch, nv)."""
         return Friction(
-            **{name: getattr(self, name) * (1.0 if name == "stribeck_velocity" else factor) for name in _NAMES}
+            **{name: getattr(self, name) * (1.0 if name == "stribeck_velocity" else factor) for name in _names()}
         )
+
+
+def _names() -> tuple[str, ...]:
+    """What a joint's friction is made of."""
+    return tuple(item.name for item in fields(Friction))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -24,6 +25,18 @@ FAR_APART = 15.0
 """From this ratio on between the laws' RMS values a linear axis would show the largest only."""
 
 
+class Drawing(NamedTuple):
+    """One figure of a comparison.
+
+    Attributes:
+        caption: What it shows.
+        draw: Draws it from one trial and the torque limits, shape (nv,), N·m.
+    """
+
+    caption: str
+    draw: Callable[[xr.Dataset, Array], Figure]
+
+
 def draw_figures(dataset: xr.Dataset, folder: Path, effort_limit: Array | None = None) -> list[Path]:
     """Write every figure as PDF and PNG.
 
@@ -40,8 +53,8 @@ def draw_figures(dataset: xr.Dataset, folder: Path, effort_limit: Array | None =
     limit = np.broadcast_to(limit, (dataset.sizes["joint"],))
     paths = []
     with paper_style():
-        for name, draw in FIGURES.items():
-            save(draw(dataset.isel(trial=0), limit), folder / name)
+        for name, drawing in FIGURES.items():
+            save(drawing.draw(dataset.isel(trial=0), limit), folder / name)
             paths.append(folder / f"{name}.png")
     return paths
 
@@ -134,15 +147,15 @@ def error_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     return figure
 
 
-FIGURES: Mapping[str, Callable[[xr.Dataset, Array], Figure]] = MappingProxyType(
+FIGURES: Mapping[str, Drawing] = MappingProxyType(
     {
-        "reference": reference_figure,
-        "gains_and_s": gains_and_s_figure,
-        "torques": torque_figure,
-        "errors": error_figure,
+        "reference": Drawing("The motion to follow: desired positions of the joints.", reference_figure),
+        "errors": Drawing("Tracking error of every joint.", error_figure),
+        "gains_and_s": Drawing("Switching gains and sliding variables.", gains_and_s_figure),
+        "torques": Drawing("Torque of every joint, after the drive's limits.", torque_figure),
     }
 )
-"""The figures by the names of their files."""
+"""The figures by the names of their files, in the order of the report."""
 
 
 def _joint_grid(dataset: xr.Dataset) -> tuple[Figure, list[Axes]]:

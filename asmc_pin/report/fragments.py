@@ -6,18 +6,17 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from asmc_pin.media import for_html
 from asmc_pin.metrics import Metric
-from asmc_pin.report.tables import Table, smallest
+from asmc_pin.report.tables import Table
 
 
-def table_html(table: Table, colours: Mapping[str, str], best: Iterable[int] = ()) -> str:
-    """A table whose rows are named by their first cell.
+def table_html(table: Table, colours: Mapping[str, str]) -> str:
+    """A table whose rows are named by their first cell; the best figure of each column is marked.
 
     Args:
         table: What it shows.
         colours: Colour of each controller, shown beside its name.
-        best: Columns in which the smallest figure is marked.
     """
-    marked = {(row, column) for column in best for row in smallest([line[column] for line in table.rows])}
+    marked = table.marked()
     head = "".join(f'<th scope="col">{for_html(cell)}</th>' for cell in table.header)
     rows = []
     for i, line in enumerate(table.rows):

@@ -7,7 +7,7 @@ the result; the motion and its error over time are interactive. (plotly's bundle
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -23,28 +23,17 @@ from asmc_pin.files import write_whole
 from asmc_pin.media import for_html
 from asmc_pin.metrics import METRICS
 from asmc_pin.reading import read_file, shown
+from asmc_pin.report.figures import FIGURES
 from asmc_pin.report.fragments import definition_list, definitions, details, table_html
-from asmc_pin.report.tables import MAIN, Table, metric_table, number, overview, per_joint, tool_table
+from asmc_pin.report.tables import Table, metric_table, number, overview, per_joint, tool_table
+from asmc_pin.report.theorem_figures import CAPTION as THEOREMS_CAPTION
+from asmc_pin.report.theorem_figures import NAME as THEOREMS
 from asmc_pin.report.theorem_page import theorem_section
 from asmc_pin.results import Result
 from asmc_pin.viewer import controller_colors, player_scripts, replay_fragment, static
 from asmc_pin.viewer.page import POLICY
 
-SMALL_IS_BEST = ("rms_error", "max_error", "final_error", "settling_time", "torque_variation")
-"""Metrics of which the smallest figure in a column is marked; of a torque or a gain, less is not better."""
-
 _MOST_FIGURES, _LARGEST_FIGURE = 50, 20_000_000
-
-FIGURES = {
-    "reference": "The motion to follow: desired positions of the joints.",
-    "errors": "Tracking error of every joint.",
-    "gains_and_s": "Switching gains and sliding variables.",
-    "torques": "Torque of every joint, after the drive's limits.",
-    "theorems": "The paper's theorems: Lemma 1's norm, the TDE error, and its largest ratio from tick to tick (dotted: "
-    "what I − M⁻¹M̄ alone leaves of it); of each law that Theorem 1 speaks of, its gains with their bound, V of (12) "
-    "and V̇ + β‖s‖² (orange where (16) is broken), and ‖s‖ with its bound.",
-}
-"""Caption of each figure, by the name of its file, in the order of the page; others follow under their own names."""
 
 
 def report_html(result: Result, path: str | Path) -> None:
@@ -142,26 +131,24 @@ def _cards(result: Result) -> Iterator[str]:
 def _tables(result: Result) -> Iterator[str]:
     colours = controller_colors(_label_list(result))
 
-    def html(table: Table, small_is_best: bool | Iterable[int]) -> str:
-        count = len(table.header)
-        best = range(1, count) if small_is_best is True else () if small_is_best is False else small_is_best
-        return f'<div class="scroll" tabindex="0">{table_html(table, colours, best)}</div>'
+    def html(table: Table) -> str:
+        return f'<div class="scroll" tabindex="0">{table_html(table, colours)}</div>'
 
     summary = result.summary
     table = overview(summary)
     yield '<h2 id="summary">Comparison</h2>'
     yield f"<p>{for_html(table.title)} of each joint; the worst error of all, and the chatter of the torque.</p>"
-    yield html(table, True)
+    yield html(table)
     yield (
         '<p class="soft">Worst error: the largest of all joints over the run. Chatter: torque '
-        "variation per second, summed over the joints. Marked: the smallest figure of a column. Dash: not defined.</p>"
+        "variation per second, summed over the joints. Marked: the best figure of a column. Dash: not defined.</p>"
     )
     tool = tool_table(summary)
     if tool is not None:
         yield f"<h3>{for_html(tool.title)}</h3>"
         yield '<p class="soft">Distance of the frame from where the reference has it, and angle of the turn.</p>'
-        yield html(tool, True)
-    names = sorted(METRICS, key=lambda name: (name not in MAIN, MAIN.index(name) if name in MAIN else 0))
+        yield html(tool)
+    names = sorted(METRICS, key=lambda name: not METRICS[name].main)
     rest = [name for name in names if name != "rms_error" and summary[name].notna().any()]
     parts = []
     for name in rest:
@@ -169,7 +156,7 @@ def _tables(result: Result) -> Iterator[str]:
         parts.append(
             f'<h3>{for_html(table.title)}</h3><p class="soft"><code>{for_html(METRICS[name].formula)}</code></p>'
         )
-        parts.append(html(table, name in SMALL_IS_BEST))
+        parts.append(html(table))
     yield details("All metrics, joint by joint", f'<div class="body">{"".join(parts)}</div>')
 
 
@@ -180,8 +167,9 @@ def _figures(result: Result) -> Iterator[str]:
     if len(there) > _MOST_FIGURES:
         raise ResultError(result.path, f"{result.path}: has {len(there)} figures, at most {_MOST_FIGURES} expected")
     yield '<h2 id="figures">Figures</h2>'
-    for name in [*(name for name in FIGURES if name in there), *(name for name in there if name not in FIGURES)]:
-        path, caption = there[name], FIGURES.get(name, f"{name.replace('_', ' ').capitalize()}.")
+    captions = {name: drawing.caption for name, drawing in FIGURES.items()} | {THEOREMS: THEOREMS_CAPTION}
+    for name in [*(name for name in captions if name in there), *(name for name in there if name not in captions)]:
+        path, caption = there[name], captions.get(name, f"{name.replace('_', ' ').capitalize()}.")
         data = base64.b64encode(_figure(result, path)).decode()
         yield (
             f'<figure><div class="paper"><img alt="{for_html(caption)}" src="data:image/png;base64,{data}"></div>'

@@ -8,17 +8,18 @@ from collections.abc import Sequence
 import pandas as pd
 
 from asmc_pin.media import for_latex
-from asmc_pin.report.tables import MAIN, metric_table, smallest
+from asmc_pin.metrics import METRICS
+from asmc_pin.report.tables import metric_table
 
 
-def latex_table(summary: pd.DataFrame, metrics: Sequence[str] = MAIN) -> str:
+def latex_table(summary: pd.DataFrame, metrics: Sequence[str] | None = None) -> str:
     """A ``table`` environment: a block for each metric, a row for each controller, a column for each joint.
 
     It needs ``booktabs`` and nothing else. Joints are numbered, base first; the caption names them.
 
     Args:
         summary: Rows of a comparison.
-        metrics: Which metrics to show.
+        metrics: Which metrics to show; those that a person reads first when omitted.
     """
     joints = list(dict.fromkeys(summary.joint))
     name, arm = str(summary.experiment.iloc[0]), str(summary.arm.iloc[0])
@@ -37,16 +38,14 @@ def latex_table(summary: pd.DataFrame, metrics: Sequence[str] = MAIN) -> str:
         rf"    \cmidrule(l){{2-{count + 1}}}",
         "    Controller & " + " & ".join(str(i + 1) for i in range(count)) + r" \\",
     ]
-    for metric in metrics:
-        table = metric_table(summary, metric)
+    for name in [key for key, metric in METRICS.items() if metric.main] if metrics is None else metrics:
+        table = metric_table(summary, name)
         units = re.findall(r"\[(.+?)\]$", table.title)
         title = for_latex(table.title.partition(" [")[0]) + (f" [{for_latex(units[0])}]" if units else "")
         lines += [r"    \midrule", rf"    \multicolumn{{{count + 1}}}{{l}}{{\emph{{{title}}}}} \\"]
         rows = [[for_latex(cell) for cell in row] for row in table.rows]
-        if metric.endswith("_error"):
-            for column in range(1, count + 1):
-                for i in smallest([row[column] for row in table.rows]):
-                    rows[i][column] = rf"\textbf{{{rows[i][column]}}}"
+        for row, column in table.marked():
+            rows[row][column] = rf"\textbf{{{rows[row][column]}}}"
         lines += ["    " + " & ".join(row) + r" \\" for row in rows]
     lines += [r"    \bottomrule", r"  \end{tabular}", rf"\end{{{environment}}}", ""]
     return "\n".join(lines)

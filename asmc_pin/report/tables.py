@@ -12,11 +12,8 @@ import pandas as pd
 
 from asmc_pin._typing import Array
 from asmc_pin.media import for_cell, for_markdown
-from asmc_pin.metrics import METRICS, Metric
+from asmc_pin.metrics import METRICS, Best, Metric
 
-# What a person reads first; the rest follows in Markdown only.
-MAIN = ("rms_error", "max_error", "torque_rms", "torque_variation")
-_BEST_IS_SMALLEST = ("rms_error", "max_error", "final_error")
 NOTHING = "–"
 
 TOOL = {
@@ -35,11 +32,34 @@ class Table(NamedTuple):
         title: What it shows, with the unit where one fits all.
         header: Column names.
         rows: Cells.
+        best: Which figure of a column is the best, if any, for the first so many columns.
     """
 
     title: str
     header: list[str]
     rows: list[list[str]]
+    best: Sequence[Best] = ()
+
+    def marked(self) -> set[tuple[int, int]]:
+        """Row and column of every cell that is the best of its column; none where there is nothing to compare.
+
+        Figures that are printed alike are equally good.
+        """
+        found = set()
+        for column, best in enumerate(self.best):
+            values = [_figure(row[column]) for row in self.rows]
+            known = [value for value in values if value is not None]
+            if best is None or not known:
+                continue
+            target = min(known) if best == "smallest" else max(known)
+            if values.count(target) < len(values):
+                found |= {(row, column) for row, value in enumerate(values) if value == target}
+        return found
+
+
+def _figure(cell: str) -> float | None:
+    """The figure that a cell shows; None if it shows none."""
+    return float(cell) if re.fullmatch(r"[0-9.e+-]+", cell) else None
 
 
 def number(value: float, digits: int = 3) -> str:
@@ -104,7 +124,7 @@ def metric_table(summary: pd.DataFrame, name: str) -> Table:
     title = METRICS[name].title + (f" [{units[0]}]" if same and units[0] != "1" else "")
     header = joints if same else [f"{joint} [{unit}]" for joint, unit in zip(joints, units, strict=True)]
     rows = [[label, *(number(x) for x in line)] for label, line in zip(labels, values, strict=True)]
-    return Table(title, ["controller", *header], rows)
+    return Table(title, ["controller", *header], rows, [None, *[METRICS[name].best] * len(header)])
 
 
 def overview(summary: pd.DataFrame) -> Table:
@@ -113,19 +133,21 @@ def overview(summary: pd.DataFrame) -> Table:
     _, units, worst = per_joint(summary, "max_error")
     _, force_units, variation = per_joint(summary, "torque_variation")
     header = ["scheme", *base.header[1:]]
-    rows = [list(row) for row in base.rows]
+    rows, best = [list(row) for row in base.rows], list(base.best)
     if len(set(units)) == 1:
         header.append(f"worst error [{units[0]}]")
+        best.append(METRICS["max_error"].best)
         _extend(rows, worst.max(axis=1))
     if len(set(force_units)) == 1:
         header.append(f"chatter [{force_units[0]}]")
+        best.append(METRICS["torque_variation"].best)
         _extend(rows, variation.sum(axis=1))
     states = summary.groupby(["controller", "trial"], sort=False)[["status", "end_time"]].first()
     if (states.status != "ok").any():
         header.append("status")
         for row, (status, end) in zip(rows, states.to_numpy(), strict=True):
             row.append(status if status == "ok" else f"{status} at {end:.3g} s")
-    return Table(base.title, header, rows)
+    return Table(base.title, header, rows, best)
 
 
 def tool_table(summary: pd.DataFrame) -> Table | None:
@@ -138,7 +160,9 @@ def tool_table(summary: pd.DataFrame) -> Table | None:
         figures = [number(factor * float(rows[name].iloc[0])) for name, (_, factor) in TOOL.items()]
         lines.append([f"{label}, trial {trial}" if several else str(label), *figures])
     header = ["controller", *(text for text, _ in TOOL.values())]
-    return Table(f"Tool-centre error of {summary.tool.iloc[0]}", header, lines)
+    smallest: Best = "smallest"  # all of them are errors
+    best = [None, *[smallest] * len(TOOL)]
+    return Table(f"Tool-centre error of {summary.tool.iloc[0]}", header, lines, best)
 
 
 def _extend(rows: list[list[str]], values: Array) -> None:
@@ -146,24 +170,14 @@ def _extend(rows: list[list[str]], values: Array) -> None:
         row.append(number(float(value)))
 
 
-def markdown_table(table: Table, bold_smallest: bool = False) -> str:
-    """A Markdown table; the smallest figure of each column in bold if asked for."""
+def markdown_table(table: Table) -> str:
+    """A Markdown table; the best figure of each column in bold."""
     rows = [[for_cell(cell) for cell in row] for row in table.rows]
-    if bold_smallest:
-        for column in range(1, len(table.header)):
-            for i in smallest([row[column] for row in table.rows]):
-                rows[i][column] = f"**{rows[i][column]}**"
+    for row, column in table.marked():
+        rows[row][column] = f"**{rows[row][column]}**"
     header = [for_cell(cell) for cell in table.header]
     lines = [header, ["---"] + ["---:"] * (len(header) - 1), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
-
-
-def smallest(cells: Sequence[str]) -> list[int]:
-    """Indices of the smallest figure as printed; none if there is nothing to compare."""
-    values = [float(cell) if re.fullmatch(r"[0-9.e+-]+", cell) else math.inf for cell in cells]
-    best = min(values)
-    found = [i for i, value in enumerate(values) if value == best]
-    return found if math.isfinite(best) and len(found) < len(cells) else []
 
 
 def metric_tables_markdown(summary: pd.DataFrame) -> str:
@@ -174,5 +188,5 @@ def metric_tables_markdown(summary: pd.DataFrame) -> str:
         if all(cell == NOTHING for row in table.rows for cell in row[1:]):
             continue
         parts += [f"## {for_markdown(table.title)}", "", f"`{metric.formula}`", ""]
-        parts += [markdown_table(table, name in _BEST_IS_SMALLEST), ""]
+        parts += [markdown_table(table), ""]
     return "\n".join(parts)

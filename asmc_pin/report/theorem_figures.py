@@ -17,6 +17,11 @@ from asmc_pin.report.style import GREY, PAGE, paper_style, save
 from asmc_pin.viewer.colours import PALETTE, controller_colors
 
 NAME = "theorems"
+CAPTION = (
+    "The paper's theorems: Lemma 1's norm, the TDE error, and its largest ratio from tick to tick (dotted: what "
+    "I − M⁻¹M̄ alone leaves of it); of each law that Theorem 1 speaks of, its gains with their bound, V of (12) and "
+    "V̇ + β‖s‖² (orange where (16) is broken), and ‖s‖ with its bound."
+)
 TIME = "Time [s]"
 BROKEN = "#D55E00"
 

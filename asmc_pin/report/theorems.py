@@ -82,7 +82,7 @@ def theorems_latex(claims: pd.DataFrame, about: str) -> str:
         r"  \label{tab:theorems}",
         rf"  \begin{{tabular}}{{l{'l' * len(STATEMENTS)}}}",
         r"    \toprule",
-        "    Controller & " + " & ".join(_LATEX_TITLES[key] for key in STATEMENTS) + r" \\",
+        "    Controller & " + " & ".join(item.latex for item in STATEMENTS.values()) + r" \\",
         r"    \midrule",
     ]
     for label, rows in claims.groupby("controller", sort=False):
@@ -90,16 +90,6 @@ def theorems_latex(claims: pd.DataFrame, about: str) -> str:
         lines.append("    " + " & ".join([for_latex(str(label)), *cells]) + r" \\")
     lines += [r"    \bottomrule", r"  \end{tabular}", r"\end{table}", ""]
     return "\n".join(lines)
-
-
-_LATEX_TITLES = {
-    "lemma1": r"$\|I - M^{-1}\bar{M}\|_2 < 1$",
-    "contraction": r"$\|N\|_2$ falls",
-    "lemma2": "Lemma 2",
-    "eq16": "(16)",
-    "t_eps": r"$t_\varepsilon$",
-    "eq21": "(21)",
-}
 
 
 def _latex_cell(rows: pd.DataFrame) -> str:

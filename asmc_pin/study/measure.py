@@ -10,7 +10,9 @@ import xarray as xr
 
 from asmc_pin._typing import Array
 from asmc_pin.experiment import Experiment
+from asmc_pin.metrics import METRICS
 from asmc_pin.monitors import monitor
+from asmc_pin.results import recorded_run
 from asmc_pin.rollout import rollout
 
 
@@ -28,28 +30,30 @@ def measure(dataset: xr.Dataset, label: str, window: float | None) -> dict[str, 
         of joint 1 rises from 10 to 90 % of its peak, and from the peak falls to half of it, s; ``status``,
         ``end_time``.
     """
-    run = dataset.sel(controller=label).isel(trial=0)
-    time = dataset.time.to_numpy()
-    ok = str(run.status.item()) == "ok"
-    error = np.degrees(dataset.q_ref.to_numpy() - run.q.to_numpy())
+    run = recorded_run(dataset, label)
+    late = 3 * run.time.size // 4
     # RMS as Table II has it: over its window only, so a law that diverges later still has one.
-    inside = np.ones(time.size, dtype=bool) if window is None else time <= window + 1e-9
-    torque, gain, s = run.torque.to_numpy()[:-1], run.gain.to_numpy(), run.s.to_numpy()
-    late = 3 * time.size // 4
-    adaptive = bool(np.isfinite(gain).any())
+    inside = None if window is None else int(np.searchsorted(run.time, window + 1e-9, side="right"))
+
+    def of(name: str, start: int | None = None, stop: int | None = None) -> Array:
+        part = recorded_run(dataset.isel(time=slice(start, stop)), label)
+        values: Array = METRICS[name](part)[0]
+        return values
+
+    ok, adaptive = run.status[0] == "ok", bool(np.isfinite(run.gain).any())
     return {
-        "law": str(run.law.item()),
-        "status": str(run.status.item()),
-        "end_time": float(run.end_time.item()),
-        "rms_deg": _listed(np.sqrt(np.mean(error[inside] ** 2, axis=0))),
-        "max_error_deg": _listed(np.max(np.abs(error), axis=0)),
-        "torque_max": _listed(np.max(np.abs(torque), axis=0)),
-        "torque_variation": _listed(np.sum(np.abs(np.diff(torque, axis=0)), axis=0) / (time[-1] - time[0])),
-        "max_s": _listed(np.max(np.abs(s), axis=0)),
-        "peak_gain": _listed(np.max(gain, axis=0)),
-        "peak_gain_before": _listed(np.max(gain[:late], axis=0)),
-        "peak_gain_last_quarter": _listed(np.max(gain[late:], axis=0)),
-        "gain_times": list(_gain_times(time, gain[:, 0])) if ok and adaptive else [None, None],
+        "law": str(dataset.law.sel(controller=label).item()),
+        "status": run.status[0],
+        "end_time": float(run.end_time[0]),
+        "rms_deg": _listed(np.degrees(of("rms_error", stop=inside))),
+        "max_error_deg": _listed(np.degrees(of("max_error"))),
+        "torque_max": _listed(of("torque_max")),
+        "torque_variation": _listed(of("torque_variation")),
+        "max_s": _listed(np.max(np.abs(run.s[0]), axis=0)),
+        "peak_gain": _listed(of("peak_gain")),
+        "peak_gain_before": _listed(of("peak_gain", stop=late)),
+        "peak_gain_last_quarter": _listed(of("peak_gain", start=late)),
+        "gain_times": list(_gain_times(run.time, run.gain[0, :, 0])) if ok and adaptive else [None, None],
     }
 
 

@@ -6,9 +6,10 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import get_args
 
-from asmc_pin.controllers import TdeLaw
-from asmc_pin.controllers.baek2016 import Baek2016
+from asmc_pin.choices import Acceleration
+from asmc_pin.controllers import TdeLaw, parameters_of
 
 DEG = 180.0 / math.pi
 AS_PRINTED = "as printed"
@@ -25,8 +26,8 @@ GAINS: Mapping[str, tuple[float, float]] = {
     "β and K_s × 15": (15.0, 15.0),
     "β and K_s × 20": (20.0, 20.0),
 }
-# Factors of φ (and of what counts as no k̂), of α and ε, which bring a law in other units to rad; and of s and k̂, which
-# bring what is measured in rad to the figure's units.
+# Factors of parameters in the units of k̂ or its rate, and of those in the unit of s, which bring a law in other units
+# to rad; and of s and k̂, which bring what is measured in rad to the figure's units.
 ADAPTATION: Mapping[str, tuple[float, float, float, float]] = {
     AS_PRINTED: (1.0, 1.0, 1.0, 1.0),
     "s and k̂ in degrees": (1.0 / DEG, 1.0 / DEG, DEG, DEG),
@@ -44,7 +45,7 @@ FRICTION: Mapping[str, tuple[float, float]] = {
 MOTION: Mapping[str, float] = {"ours": 1.0, "gentler": 0.8, "quicker": 2.0}
 ERRORS: Mapping[str, float] = {"deg": 1.0, "rad": 1.0 / DEG}
 START: Sequence[str] = ("holding", "relaxed")
-ESTIMATE: Sequence[str] = ("velocity", "position")
+ESTIMATE: Sequence[str] = get_args(Acceleration)
 
 AXES: Mapping[str, Sequence[str]] = {
     "gains": tuple(GAINS),
@@ -116,13 +117,7 @@ def read(law: TdeLaw, reading: Mapping[str, str]) -> TdeLaw:
         mbar=law.mbar * INERTIA[reading["inertia"]],
         acceleration=reading["estimate"],
     )
-    if not isinstance(changed, Baek2016):
-        return changed
     rate, size, _, _ = ADAPTATION[reading["adaptation"]]
-    return replace(
-        changed,
-        phi=changed.phi * rate,
-        threshold=changed.threshold * rate,
-        alpha=changed.alpha * size,
-        epsilon=changed.epsilon * size,
-    )
+    factors = {"rad/s": size, "rad/s²": rate, "rad/s³": rate}
+    own = {name: item.unit for name, item in parameters_of(type(law)).items() if item.unit in factors}
+    return replace(changed, **{name: getattr(changed, name) * factors[unit] for name, unit in own.items()})

@@ -13,7 +13,7 @@ from asmc_pin.report.tables import TOOL, Table
 
 # A metric that moves by more than this part of itself is told as a warning, if a reader is to compare laws by it.
 NOTABLE = 0.02
-_JUDGED = ("rms_error", "max_error", "torque_variation")
+_JUDGED = [name for name, metric in METRICS.items() if metric.main and metric.best]
 
 
 @dataclass(frozen=True)

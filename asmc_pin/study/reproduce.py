@@ -39,7 +39,7 @@ READINGS: dict[str, dict[str, str]] = {
     "simulation": {"gains": "β × 180/π", "errors": "rad"},
     "experiment": {"adaptation": "s and k̂ in degrees"},
 }
-DATA, PAGE = "reproduction.json", "reproduction.md"
+DATA, PAGE, TUNED = "reproduction.json", "reproduction.md", "tuned"
 
 
 @dataclass(frozen=True, repr=False)
@@ -80,7 +80,7 @@ def reproduce(
         out: Folder of the page and the results.
         force: Whether results that are there already may be replaced.
         search: Whether to try other readings of units and gains, where `names` has all experiments that share them.
-        tune: Whether to tune the laws anew first, and write the tuned rows into the experiments' files.
+        tune: Whether to tune the laws anew first; the experiments with these rows go to ``tuned`` in `out`, and run.
         docs: Folder to write the page into as well, with its data and figures in a folder ``reproduction`` beside it.
         progress: Called now and then.
 
@@ -105,10 +105,11 @@ def reproduce(
 
     found: dict[str, Any] = {}
     for name in wanted:
+        experiment = load_experiment(name)
         if tune:
-            write_rows(tune_rows(load_experiment(name), of(name)))
+            experiment = load_experiment(write_rows(tune_rows(experiment, of(name)), folder / TUNED))
             done += 1
-        comparison = compare(load_experiment(name), folder / name, force, of(name))
+        comparison = compare(experiment, folder / name, force, of(name))
         found[name] = _experiment(name, comparison)
         done += 1
     searched = {}

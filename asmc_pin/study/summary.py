@@ -27,7 +27,7 @@ def summary_markdown(comparison: Comparison) -> str:
         markdown_table(table),
         "",
         "Worst error: the largest of all joints. Chatter: torque variation per second, summed over the joints. "
-        "Bold: the smallest figure of a joint. Dash: not defined.",
+        "Bold: the best figure of a column, where there is such a thing. Dash: not defined.",
         "",
         metric_tables_markdown(comparison.rows),
         "",

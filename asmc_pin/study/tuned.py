@@ -1,6 +1,7 @@
 """Tuned rows of the paper's experiments: the three adaptive and switching laws, same budget, same limit of chatter.
 
-They stand in the experiment files between two marks, with the command that wrote them.
+They stand in the experiment files between two marks, with the command that wrote them. Tuning anew writes such files
+into a folder of the user's; the shipped ones are part of the package, and only a hand puts others in their place.
 """
 
 from __future__ import annotations
@@ -8,14 +9,15 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from asmc_pin.experiment import Experiment, load_experiment
+from asmc_pin.experiment import Experiment
 from asmc_pin.experiment.toml import write_toml
 from asmc_pin.files import write_whole
 from asmc_pin.metrics import METRICS
 from asmc_pin.resources import shipped
 from asmc_pin.rollout import rollout
+from asmc_pin.study.law_study import own_parameters
 from asmc_pin.study.objective import Objective
-from asmc_pin.study.paper import PPC, PROPOSED
+from asmc_pin.study.paper import PROPOSED
 from asmc_pin.study.tune import Progress, Tuning, tune
 
 SUFFIX = " tuned"
@@ -38,18 +40,25 @@ def tune_rows(experiment: Experiment, progress: Progress | None = None) -> Tunin
     law = plain.build_controllers()[PROPOSED]
     run = rollout(plain.build_plant(), law, plain.build_reference(), plain.duration)
     limit = tuple(float(f"{x:.4g}") for x in METRICS["torque_variation"](run)[0])
-    labels = [label for label in plain.controllers if label != PPC]
+    labels = [label for label in plain.controllers if own_parameters(plain, label)]
     return tune(plain, labels, objective=Objective(limit), progress=progress)
 
 
-def write_rows(tuning: Tuning) -> Path:
-    """Write the tuned rows of a shipped experiment into its file, in the place of former ones; its path."""
-    experiment = tuning.experiment
-    path = shipped("experiments") / f"{experiment.name}.toml"
-    text = _BLOCK.sub("\n", path.read_text(encoding="utf-8")).rstrip("\n") + "\n"
-    write_whole(path, text + "\n" + block(tuning))
-    load_experiment(path)  # that it can still be read
-    return path
+def write_rows(tuning: Tuning, folder: Path) -> Path:
+    """Write the file of a shipped experiment with the tuned rows in the place of its own.
+
+    Args:
+        tuning: Of the experiment.
+        folder: Where to; made if need be.
+
+    Returns:
+        Path of the file.
+    """
+    name = f"{tuning.experiment.name}.toml"
+    text = _BLOCK.sub("\n", (shipped("experiments") / name).read_text(encoding="utf-8")).rstrip("\n") + "\n"
+    folder.mkdir(parents=True, exist_ok=True)
+    write_whole(folder / name, text + "\n" + block(tuning))
+    return folder / name
 
 
 def block(tuning: Tuning) -> str:

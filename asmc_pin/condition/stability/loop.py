@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -49,8 +50,9 @@ class SampledLoop:
             object.__setattr__(self, name, positive_per_joint(name, getattr(self, name), mbar.size, unit))
         if not (_is_number(self.period) and self.period > 0.0):
             raise ParameterError("period", f"got {self.period!r}; expected a positive time in s, such as 0.001")
-        if self.acceleration not in ("velocity", "position"):
-            raise ParameterError("acceleration", f"got {self.acceleration!r}; expected 'velocity' or 'position'")
+        if self.acceleration not in get_args(Acceleration):
+            known = " or ".join(map(repr, get_args(Acceleration)))
+            raise ParameterError("acceleration", f"got {self.acceleration!r}; expected {known}")
         if self.filter_hz is not None and not (_is_number(self.filter_hz) and self.filter_hz > 0.0):
             raise ParameterError("filter_hz", f"got {self.filter_hz!r}; expected a positive frequency in Hz, or none")
         if not (_is_number(self.delay) and self.delay >= 0.0):
