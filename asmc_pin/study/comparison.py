@@ -80,7 +80,8 @@ class Comparison(Shown):
 
     def table(self) -> Cells:
         """The overview."""
-        return self.overview()[1:]
+        shown = self.overview()
+        return shown.header, shown.rows
 
     def remarks(self) -> list[str]:
         """What to know about the figures, and where the rest lies."""
