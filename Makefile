@@ -11,6 +11,7 @@ PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check 
 
 demo: $(VENV)/.runtime  ## verify, compare and report on a UR5; results/demo/report.html
 	$(BIN)/asmc-pin demo
+	@echo "asmc-pin is in $(BIN); to have it at hand: . $(BIN)/activate"
 
 test: $(VENV)/.dev  ## all tests but the long ones; some minutes
 	$(BIN)/python -m pytest $(PYTEST_ARGS)
