@@ -98,8 +98,9 @@ _REMEDY = "write one with: asmc-pin verify … --certify --certificate FILE"
 
 def _bytes_of(source: Path) -> bytes:
     # A device never ends, a pipe waits for who never writes, and a directory has no bytes.
-    if not stat.S_ISREG(source.stat().st_mode):
-        raise _Damaged("it is no regular file")
+    kind = source.stat().st_mode
+    if not stat.S_ISREG(kind):
+        raise _Damaged("it is a folder" if stat.S_ISDIR(kind) else "it is no regular file")
     with source.open("rb") as file:
         data = file.read(_MOST_FILE + 1)
     if len(data) > _MOST_FILE:
