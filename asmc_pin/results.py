@@ -112,7 +112,7 @@ def load_result(path: str | Path, *, largest: float = LARGEST) -> Result:
         experiment = load_experiment(files[EXPERIMENT], import_laws=False)
         provenance = read_json(files[PROVENANCE])
         schema.check_provenance(files[PROVENANCE], provenance)
-        for name in (TRAJECTORIES, SUMMARY, CLAIMS, MONITORS):
+        for name in (EXPERIMENT, TRAJECTORIES, SUMMARY, CLAIMS, MONITORS):
             if files[name].exists():
                 check_digest(files[name], provenance, largest)
         dataset = read_arrays(files[TRAJECTORIES], largest)

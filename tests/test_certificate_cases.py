@@ -12,7 +12,10 @@ from pathlib import Path
 
 import pytest
 
+from asmc_pin import load_arm
 from asmc_pin.cli import main
+from asmc_pin.condition.certificate import certify
+from asmc_pin.condition.check import check
 
 CASES = Path(__file__).parent / "cases" / "certificates"
 
@@ -58,3 +61,16 @@ def test_a_file_that_is_no_certificate_is_bad_input(name: str, capsys: pytest.Ca
     assert (status, out) == (2, "")
     assert err.count("\n") == 1
     assert "is not a certificate" in err
+
+
+def test_a_verdict_at_a_level_says_that_it_is_about_the_level(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    proof = certify(load_arm("two_link"), 0.01, level=0.995, budget=10.0).save(tmp_path / "level.cert")
+    with pytest.raises(SystemExit) as stop:
+        main(["check", str(proof)])
+    assert stop.value.code == 0
+    assert "the verdict is about ‖I − M⁻¹M̄‖₂ < 0.995" in capsys.readouterr().out
+    assert check(proof).to_json_dict()["level"] == 0.995
+    bare = CASES / "forge2.json"
+    assert check(bare).to_json_dict()["level"] == 1.0

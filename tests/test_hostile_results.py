@@ -289,3 +289,12 @@ def test_random_damage_is_one_message_or_no_damage(tmp_path: Path) -> None:
         (good / name).write_bytes(kept)
     assert statuses == {False, True}
     assert asked("report", good).status == 0
+
+
+def test_an_experiment_that_is_not_the_one_that_ran_is_noticed(tmp_path: Path) -> None:
+    result = small_result(tmp_path)
+    path = result / "experiment.toml"
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("duration = ", "duration =  ", 1), encoding="utf-8")
+    with pytest.raises(ResultError, match=r"experiment\.toml: is damaged or changed"):
+        load_result(result)

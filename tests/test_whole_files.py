@@ -48,6 +48,16 @@ def test_a_link_stays_a_link_and_a_device_a_device(tmp_path):
     assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
 
 
+def test_a_pipe_that_nobody_reads_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(ResultError, match="cannot be written"):
+        write_whole(tmp_path / "pipe", "nobody")
+    reader = os.open(tmp_path / "pipe", os.O_RDONLY | os.O_NONBLOCK)
+    write_whole(tmp_path / "pipe", "somebody")
+    assert os.read(reader, 100) == b"somebody"
+    os.close(reader)
+
+
 def test_a_name_of_any_length_and_a_text_of_any_origin_can_be_written(tmp_path):
     page = tmp_path / ("ü" * 127)
     write_whole(page, "a name \udcff from the command line")

@@ -33,7 +33,6 @@ from asmc_pin.cli.options import (
     per_joint,
 )
 from asmc_pin.errors import ParameterError
-from asmc_pin.units import check_period
 
 AccelerationOption: TypeAlias = Annotated[
     Acceleration, typer.Option("--acceleration", metavar="velocity|position", help="How q̈(t−L) is estimated.")
@@ -95,6 +94,8 @@ def design(
     length = None if period is None else number(period, "--period")
     losses = None if coulomb is None else per_joint(coulomb, "--coulomb")
     if length is not None:
+        from asmc_pin.units import check_period
+
         check_period(length, "--period")
     loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
     from asmc_pin.condition import design as run

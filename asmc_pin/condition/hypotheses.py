@@ -193,26 +193,38 @@ class Hypotheses(Premises):
 
     Attributes:
         condition: ``lemma1`` or ``weighted``.
-        formula: The condition as an inequality, its level included.
-        mbar: Diagonal of M̄, kg·m²; empty where one was looked for and there is none.
+        mbar: Diagonal of M̄, kg·m² (kg where prismatic); empty where one was looked for and there is none.
+        level: γ of the norm that the verdict is about; 1 is the condition itself.
     """
 
     condition: Condition
-    formula: str
     mbar: tuple[float, ...]
+    level: float = 1.0
+
+    @property
+    def formula(self) -> str:
+        """The condition as an inequality, its level included."""
+        return formula(self.condition, self.level)
 
     def to_json_dict(self) -> dict[str, Any]:
         """The keys of ``verify --json`` that are hypotheses; names without control characters."""
         about = super().to_json_dict()
         first = {key: about.pop(key) for key in ("arm", "sha256", "joints")}
-        return first | {"mbar": list(self.mbar) or None} | about | {"condition": self.condition}
+        mbar = list(self.mbar) or None
+        return first | {"mbar": mbar} | about | {"condition": self.condition, "level": self.level}
 
     def rows(self) -> list[tuple[str, str]]:
         """Terms and what they are, for a page or a terminal."""
         arm, *others = super().rows()
         found = [arm, ("Condition", f"{NAMES[self.condition]}: {self.formula}")]
         if self.mbar:
-            found.append(("M̄", f"diag({', '.join(f'{exact(m)}' for m in self.mbar)}) kg·m²"))
+            units = ["kg" if slides else "kg·m²" for slides in self.slides]
+            values = [exact(m) for m in self.mbar]
+            if len(set(units)) == 1:
+                found.append(("M̄", f"diag({', '.join(values)}) {units[0]}"))
+            else:
+                said = (f"{value} {unit}" for value, unit in zip(values, units, strict=True))
+                found.append(("M̄", f"diag({', '.join(said)})"))
         return found + others
 
 

@@ -15,7 +15,6 @@ from asmc_pin.condition.hypotheses import (
     Premises,
     Where,
     fold_locks,
-    formula,
 )
 
 if TYPE_CHECKING:
@@ -107,7 +106,7 @@ def hypotheses_on(premises: Premises, mbar: Array | None, condition: Condition, 
     """The hypotheses of a condition on a subject; see `hypotheses_of`."""
     about: dict[str, Any] = {name: getattr(premises, name) for name in Premises.__dataclass_fields__}
     values = () if mbar is None else tuple(np.asarray(mbar).tolist())
-    return Hypotheses(**about, condition=condition, formula=formula(condition, level), mbar=values)
+    return Hypotheses(**about, condition=condition, level=level, mbar=values)
 
 
 def ends_of(box: Box) -> tuple[Array, Array]:

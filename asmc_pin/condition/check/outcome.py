@@ -96,7 +96,10 @@ class CheckResult:
         found = [f"{printable(self.path)}: {'valid' if self.valid else 'NOT VALID: it proves nothing'}"]
         found += [f"problem: {problem}" for problem in self.problems]
         if self.conclusion is not None and self.hypotheses is not None:
-            found += [f"{self.conclusion.verdict}: {_shown(self.conclusion)}", *self.hypotheses.lines()]
+            found.append(f"{self.conclusion.verdict}: {_shown(self.conclusion)}")
+            if self.hypotheses.level < 1.0:
+                found.append(f"the verdict is about {self.hypotheses.formula}, the scales are about the norm below 1")
+            found += self.hypotheses.lines()
         found += [_line(statement) for statement in self.statements]
         if self.statements:
             points = sum(s.spots.points for s in self.statements)

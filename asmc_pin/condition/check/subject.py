@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from asmc_pin.condition.check.contents import Case, Contents, Load, Malformed
 from asmc_pin.condition.check.links import Chain
 from asmc_pin.condition.check.urdf_text import Description
-from asmc_pin.condition.hypotheses import Carried, Hypotheses, fold_locks, formula
+from asmc_pin.condition.hypotheses import Carried, Hypotheses, fold_locks
 from asmc_pin.text import printable
 
 
@@ -64,7 +64,7 @@ def subject(told: Contents, urdf: str, robot: Description, chain: Chain) -> Subj
         joints=told.joints,
         slides=tuple(bool(slides) for slides in chain.slides),
         condition=told.condition,
-        formula=formula(told.condition, told.level),
+        level=told.level,
         mbar=told.mbar,
         armature=tuple(a if a == b else (a, b) for a, b in zip(low, high, strict=True)),
         payload=_carried(loads),
