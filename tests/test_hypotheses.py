@@ -223,7 +223,7 @@ def test_a_proof_of_another_statement_is_not_joined_with_a_search(two_link: Arm,
     with pytest.raises(ParameterError, match="not of the same"):
         certified(found, other)
     level = certify(two_link, 0.01, armature=0.01, budget=10.0, level=0.999)
-    with pytest.raises(ParameterError, match="differ in formula"):
+    with pytest.raises(ParameterError, match="differ in level"):
         certified(found, level)
 
 
