@@ -296,10 +296,10 @@ class Spring:
 """
 
 
-def own_law(tmp_path, stiffness):
+def own_law(tmp_path, stiffness, text=LAW):
     data = copy.deepcopy(DATA) | {"duration": 0.02}
     data["controllers"] = {"PPC": {"law": "ppc"}, "Spring": {"law": "spring_law:Spring", "stiffness": stiffness}}
-    (tmp_path / "spring_law.py").write_text(LAW)
+    (tmp_path / "spring_law.py").write_text(text)
     (tmp_path / "own.toml").write_text(write_toml(data))
     return load_experiment(tmp_path / "own.toml")
 
@@ -338,3 +338,9 @@ def test_the_summary_file_holds_the_rows(done):
     pd.testing.assert_frame_equal(
         pd.read_parquet(comparison.out / "summary.parquet"), comparison.rows, check_dtype=False
     )
+
+
+def test_a_law_of_ones_own_that_ends_the_process_is_named_too(tmp_path):
+    text = LAW.replace('ZeroDivisionError("no springs left")', "SystemExit(0)")
+    with pytest.raises(ExperimentError, match="raised SystemExit: 0"):
+        compare(own_law(tmp_path, -1.0, text), out=tmp_path / "out")

@@ -200,6 +200,7 @@ def test_ranges_wider_than_a_turn_are_one_turn_and_the_first_joint_is_idle(ur5: 
         (0.1, {"box": {"elbow": (0, 1)}}, "not a joint of two_link.*joint_1, joint_2"),
         (0.1, {"box": {"joint_2": (1, 0)}}, "empty"),
         (0.1, {"box": {"joint_2": (0, float("nan"))}}, "not finite"),
+        (0.1, {"box": {"joint_2": (-1e300, 1e300)}}, "within ±1e\\+06 expected"),
         (0.1, {"box": {"joint_2": 1.0}}, r"\(lower, upper\) expected"),
         (0.1, {"samples": 0}, "at least 1"),
         (0.1, {"payload": (3.0, 1.0)}, "empty"),

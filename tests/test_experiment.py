@@ -489,3 +489,14 @@ def test_the_docs_show_the_messages_as_they_are():
         Experiment.from_dict(data, origin="mine.toml")
     shown = re.search(r"```\nasmc-pin: (mine.toml: 3 mistakes\n.*?)```", text, re.DOTALL)[1]
     assert sorted(textwrap.dedent(shown).split("\n")) == sorted(f"{caught.value}\n".split("\n"))
+
+
+def test_a_law_of_ones_own_that_ends_the_process_is_refused_like_one_that_raises(tmp_path):
+    (tmp_path / "a_script.py").write_text("raise SystemExit(5)\n")
+    message = message_of(changed("controllers.Mine", {"law": "a_script:Law"}), folder=tmp_path)
+    assert "the module 'a_script' cannot be imported: SystemExit: 5" in message
+    (tmp_path / "leaving.py").write_text(
+        "class Law:\n    init = step = None.__init__\n    def __init__(self): raise SystemExit(3)\n"
+    )
+    message = message_of(changed("controllers.Mine", {"law": "leaving:Law"}), folder=tmp_path)
+    assert "controllers.Mine: Law refuses these parameters: SystemExit: 3" in message

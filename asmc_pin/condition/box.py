@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from asmc_pin._typing import Array, BoolArray
+from asmc_pin.arms.magnitudes import LIMIT
 from asmc_pin.errors import ParameterError
 from asmc_pin.units import check_range
 
@@ -76,7 +77,7 @@ def resolve_box(arm: Arm, box: BoxLike = None) -> Box:
         The box, each revolute range cut to one turn around its middle.
 
     Raises:
-        ParameterError: Unknown joint, not two finite numbers, or an empty range.
+        ParameterError: Unknown joint, not two finite numbers, numbers too large to compute with, or an empty range.
         ArmError: A prismatic joint has no declared range and none is given.
     """
     kinds = np.array([kind == "revolute" for kind in arm.joint_kinds], dtype=np.bool_)
@@ -92,6 +93,10 @@ def resolve_box(arm: Arm, box: BoxLike = None) -> Box:
         if lo > hi:
             raise ParameterError(
                 "box", f"the range {lo:g}:{hi:g} of joint '{name}' is empty: lower end above upper end"
+            )
+        if max(-lo, hi) > LIMIT:
+            raise ParameterError(
+                "box", f"the range {lo:g}:{hi:g} given for joint '{name}', ends within ±{LIMIT:g} expected"
             )
     periodic = kinds & (upper - lower >= FULL_TURN * (1.0 - 1e-12))
     middle = 0.5 * (lower + upper)

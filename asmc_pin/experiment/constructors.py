@@ -120,5 +120,5 @@ def construct(cls: type, values: Mapping[str, Any], path: str) -> tuple[Any, lis
     except ParameterError as error:
         key = f"{path}.{error.parameter}"
         return None, [Problem(key, str(error).removeprefix(f"{error.parameter}: "))]
-    except Exception as error:  # a law of the user's own may raise anything
+    except (Exception, SystemExit) as error:  # a law of the user's own may raise anything
         return None, [Problem(path, f"{cls.__name__} refuses these parameters: {type(error).__name__}: {error}")]

@@ -76,7 +76,7 @@ def _import(name: str, folder: Path, key: str) -> ModuleType:
                     f"there is no module '{error.name}'; looked for {top}.py in {places}, then in PYTHONPATH",
                 ) from error
             raise ExperimentError(key, f"the module '{name}' cannot be imported: {error}") from error
-        except Exception as error:
+        except (Exception, SystemExit) as error:  # a script that ends the process is no module either
             raise ExperimentError(
                 key, f"the module '{name}' cannot be imported: {type(error).__name__}: {error}"
             ) from error

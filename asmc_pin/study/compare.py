@@ -191,7 +191,7 @@ def _run(
         )
     except AsmcPinError as error:
         raise ExperimentError(f"controllers.{label}", str(error)) from error
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         name = experiment.controllers[label]["law"]
         if ":" not in name:
             raise

@@ -156,7 +156,8 @@ def experiment(rng: Rng, corpus: list[bytes]) -> bytes:
 _LAW = "class Law:\n    def init(self, sample): return 0\n    def step(self, state, sample, setpoint): return "
 CANARIES = (
     *("", "raise SystemExit(5)", "raise KeyError('none')"),
-    *(f"{_LAW}{torque}, 0" for torque in ("0 * sample.q", "1 / 0", "'no'", "float('nan') * sample.q")),
+    *(f"{_LAW}{torque}, 0" for torque in ("0 * sample.q", "1 / 0", "'no'", "float('nan') * sample.q", "exit(1)")),
+    f"{_LAW}0 * sample.q, 0\n    def __init__(self): exit(3)",
 )
 
 

@@ -8,7 +8,7 @@ from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 
-from fuzz.hostile import INJECTED, Rng, chance, mutate_bytes, name, number, pick
+from fuzz.hostile import FACTORS, INJECTED, Rng, chance, mutate_bytes, name, number, pick
 
 Element = list  # [tag, attributes, children]: unlike a parser's own, it can hold what no parser takes
 
@@ -113,14 +113,27 @@ def elements(root: Element) -> list[Element]:
     return found
 
 
+def scaled(word: str, factor: float) -> str:
+    """A number times a factor; what is none as it is."""
+    try:
+        return repr(float(word) * factor)
+    except ValueError:
+        return word
+
+
 def disturb(rng: Rng, root: Element) -> None:
     """One thing that is not as it should be."""
     everything = elements(root)
     at = pick(rng, everything)
-    how = int(rng.integers(16))
+    how = int(rng.choice([*range(16), 2, 2, 2]))
     joints = [e for e in everything if e[0] == "joint"]
-    if how <= 2 and at[1]:
+    if how <= 1 and at[1]:
         at[1][pick(rng, sorted(at[1]))] = number(rng)
+    elif how == 2:
+        figures = [e for e in everything if e[0] in ("mass", "inertia", "origin", "axis", "limit", "dynamics", "mimic")]
+        for e in figures[int(rng.integers(len(figures))) :][:1] if figures else []:
+            key = pick(rng, sorted(e[1]))
+            e[1][key] = " ".join(scaled(word, float(pick(rng, FACTORS))) for word in e[1][key].split())
     elif how <= 4 and at[1]:
         key = pick(rng, sorted(at[1]))
         old, new = at[1][key], name(rng)
@@ -179,7 +192,7 @@ def text(rng: Rng, root: Element) -> str:
 def encoded(rng: Rng, body: str) -> bytes:
     """As bytes, mostly UTF-8; with a declaration that may be wrong, and entities that swell."""
     odd = ["utf-8-sig", "utf-16", "latin-1", "gbk", "utf-32", "ascii"]
-    encoding = "utf-8" if chance(rng, 0.9) else str(pick(rng, odd))
+    encoding = "utf-8" if chance(rng, 0.94) else str(pick(rng, odd))
     said = encoding if chance(rng, 0.9) else str(pick(rng, ["utf-8", "gbk", "klingon", "", "ascii", "utf-7"]))
     declaration = f'<?xml version="1.0" encoding="{said}"?>\n' if chance(rng, 0.5) or encoding != "utf-8" else ""
     if chance(rng, 0.05):
@@ -200,21 +213,21 @@ def encoded(rng: Rng, body: str) -> bytes:
 
 def urdf(rng: Rng, corpus: Sequence[bytes]) -> bytes:
     """One file: generated in four of five, else one of the corpus with some bytes changed."""
-    if chance(rng, 0.2):
+    if chance(rng, 0.12):
         return mutate_bytes(rng, pick(rng, corpus), pick(rng, corpus))
     most = (
         400 if chance(rng, 0.003) else 40 if chance(rng, 0.01) else int(rng.choice([0, 1, 1, 2, 2, 2, 3, 3, 4, 6, 7]))
     )
     root = sound(rng, most)
-    for _ in range(int(rng.choice([0, 0, 1, 1, 1, 2, 4]))):
+    for _ in range(int(rng.choice([0, 0, 1, 1, 1, 2, 3]))):
         disturb(rng, root)
     made = encoded(rng, text(rng, root))
-    return mutate_bytes(rng, made) if chance(rng, 0.05) else made
+    return mutate_bytes(rng, made) if chance(rng, 0.03) else made
 
 
 def mbar(rng: Rng) -> str:
     """What is given as M̄: mostly one small number for all joints."""
-    if chance(rng, 0.1):
+    if chance(rng, 0.03):
         return ",".join(number(rng) for _ in range(int(rng.integers(1, 5))))
     return repr(float(10.0 ** rng.uniform(-4.0, 1.0)))
 
@@ -223,13 +236,13 @@ def options(rng: Rng) -> list[str]:
     """Some of the options that every question about an arm takes."""
     found: list[str] = []
     for key, values in (
-        ("--payload", ["1", "0:2", "0", "-1", "nan", "1e300", "2:1"]),
+        ("--payload", ["1", "0:2", "0", "1e-9", "-1", "nan", "1e300", "2:1"]),
         ("--armature", ["0.1", "0.1:0.2", "0", "1,2", "-1", "1e-300"]),
         ("--lock", ["joint0=0.3", "joint1=0.1,0.5", "joint1=free", "nowhere=1", "joint0=1e300", "weld0=1"]),
-        ("--gravity", ["0,0,9.81", "0,0,0", "1", "nan,0,0"]),
-        ("--box", ["joint0=-1:1", "joint0=0:0", "joint1=-1e300:1e300", "nowhere=0:1", "joint0=1:0"]),
+        ("--gravity", ["0,0,9.81", "0,0,0", "9.81,0,0", "1", "nan,0,0"]),
+        ("--box", ["joint0=-1:1", "joint0=0:0", "joint0=-9:9", "joint1=-1e300:1e300", "nowhere=0:1", "joint0=1:0"]),
     ):
-        if chance(rng, 0.1):
+        if chance(rng, 0.07):
             found += [key, str(pick(rng, values))]
     return found
 

@@ -17,6 +17,11 @@ from fuzz import generate_toml
 from fuzz.hostile import Rng, chance, mutate_bytes, mutate_tree, name, pick, value
 
 
+def label(rng: Rng) -> str:
+    """A name that HDF5 and Parquet can hold."""
+    return name(rng).replace("\x00", "").encode("utf-8", "replace").decode()
+
+
 def change_netcdf(rng: Rng, path: Path) -> None:
     """One change to a NetCDF file's variables, axes or attributes."""
     with h5py.File(path, "r+") as file:
@@ -28,15 +33,15 @@ def change_netcdf(rng: Rng, path: Path) -> None:
         if how == 0:
             del file[key]
         elif how == 1:
-            file.move(key, name(rng).replace("\x00", "").strip("/.") or "x")
+            file.move(key, label(rng).strip("/.") or "x")
         elif how == 2:
             attributes = dict(file[key].attrs)
             shape = tuple(max(0, n + int(rng.integers(-2, 3))) for n in file[key].shape)
             del file[key]
             made = file.create_dataset(key, data=np.zeros(shape))
-            for label, item in attributes.items():
-                if label not in ("DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME"):
-                    made.attrs[label] = item
+            for attribute, item in attributes.items():
+                if attribute not in ("DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME"):
+                    made.attrs[attribute] = item
         elif how == 3:
             del file[key]
             kind: Any = pick(rng, [np.int8, "S3", h5py.string_dtype(), np.complex128, np.bool_, np.float16])
@@ -50,12 +55,12 @@ def change_netcdf(rng: Rng, path: Path) -> None:
             file[key][...] = values.reshape(file[key].shape)
         elif how == 6 and file[key].dtype.kind == "O" and file[key].size:
             values = file[key][...].reshape(-1)
-            values[int(rng.integers(values.size))] = name(rng).replace("\x00", "").encode("utf-8", "replace")
+            values[int(rng.integers(values.size))] = label(rng).encode()
             file[key][...] = values.reshape(file[key].shape)
         else:
             holder = pick(rng, [file, file[key]])
-            label = pick(rng, [*sorted(holder.attrs), "extra"])
-            holder.attrs[label] = pick(rng, ["", "days since 1999-13-45", np.nan, 10**9, name(rng).replace("\x00", "")])
+            attribute = pick(rng, [*sorted(holder.attrs), "extra"])
+            holder.attrs[attribute] = pick(rng, ["", "days since 1999-13-45", np.nan, 10**9, label(rng)])
 
 
 def change_parquet(rng: Rng, path: Path) -> None:
@@ -66,7 +71,7 @@ def change_parquet(rng: Rng, path: Path) -> None:
     if how == 0:
         frame = frame.drop(columns=[column])
     elif how == 1:
-        frame = frame.rename(columns={column: name(rng).encode("utf-8", "replace").decode()})
+        frame = frame.rename(columns={column: label(rng)})
     elif how == 2:
         frame[column] = pick(rng, ["text", 1, None, np.nan, True, "\x1b[31m"])
     elif how == 3:
