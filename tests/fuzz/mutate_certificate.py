@@ -142,7 +142,8 @@ def packed(rng: Rng, made: Parts) -> bytes:
                 data = data.replace(b"'shape': (", b"'shape': (9999999", 1)
             if chance(rng, 0.01):  # zeros without end, which deflate to almost nothing
                 data += bytes(int(rng.choice([10_000_000, 300_000_000])))
-            archive.writestr(f"{key}.npy".replace("\x00", ""), data)
+            member = key[:1000].replace("\x00", "").encode("utf-8", "replace").decode()
+            archive.writestr(f"{member}.npy", data)
     return buffer.getvalue()
 
 
