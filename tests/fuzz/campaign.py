@@ -10,6 +10,7 @@ import shlex
 import shutil
 import sys
 import tempfile
+import traceback
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -66,8 +67,13 @@ def trial(kind: str, seed: int, index: int, sound: Any, scratch: Path) -> Tried:
     work.mkdir(parents=True)
     usual = sys.getrecursionlimit()
     sys.setrecursionlimit(20_000)  # what is to be too deep for a reader must be made first
-    words = MAKERS[kind](rng, work, sound)
-    sys.setrecursionlimit(usual)
+    try:
+        words = MAKERS[kind](rng, work, sound)
+    except Exception as error:
+        detail = "".join(traceback.format_exception(error))
+        return Tried(kind, index, [], None, 0.0, [Fault("no input was made", type(error).__name__, detail)])
+    finally:
+        sys.setrecursionlimit(usual)
     after = None
     if kind == "certificate" and "--json" in words:
         after = functools.partial(truth.judge, work / "x.cert")
