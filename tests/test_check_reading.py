@@ -253,7 +253,7 @@ def test_what_is_no_regular_file_is_refused_at_once(tmp_path: Path) -> None:
     assert len(said) == 4, said
     assert "no regular file" in said[0]
     assert "no regular file" in said[1]
-    assert "no regular file" in said[2]
+    assert "is a folder" in said[2]
     assert "cannot read" in said[3]
     good = tmp_path / "good.cert"
     good.write_bytes(_archive(_members()))

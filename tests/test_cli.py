@@ -55,7 +55,7 @@ def test_a_counter_example_is_status_1_and_can_be_checked_by_hand(asmc_pin):
     assert report["verdict"] == "violated"
     assert report["kind"] == "sampled"
     assert report["upper"] is None
-    hypotheses = "arm sha256 joints mbar armature payload locked box scope condition"
+    hypotheses = "arm sha256 joints mbar armature payload locked box scope condition level"
     found = "verdict kind lower upper worst_q worst_payload worst_armature configurations seconds"
     assert set(report) == {*hypotheses.split(), *found.split()}
     mass = load_arm("ur5").mass_matrix(np.array(report["worst_q"]))

@@ -18,7 +18,7 @@ from asmc_pin.condition.box import resolve_box
 from asmc_pin.errors import ArmError, ParameterError
 
 KEYS = (
-    "arm sha256 joints mbar armature payload locked box scope condition verdict kind lower upper "
+    "arm sha256 joints mbar armature payload locked box scope condition level verdict kind lower upper "
     "worst_q worst_payload worst_armature configurations seconds"
 )
 
