@@ -12,6 +12,7 @@ from asmc_pin.arms import Arm
 from asmc_pin.condition.certificate import CertificateResult, certify
 from asmc_pin.condition.certified import certified
 from asmc_pin.errors import ParameterError
+from asmc_pin.report.condition_text import sentence
 
 
 @pytest.fixture(scope="module")
@@ -34,6 +35,17 @@ def test_a_proven_mbar_holds_with_a_bound_above_all_that_was_seen(arm: Arm, proo
     content = json.loads(json.dumps(report.to_json_dict(), allow_nan=False))
     assert content["scale_proven"] >= 1.0
     assert content["scale_refuted"] > content["scale_proven"]
+
+
+def test_what_is_printed_is_no_more_than_what_is_proven(arm: Arm, proof: CertificateResult) -> None:
+    report = certified(verify(arm, 0.01, samples=64), proof)
+    # The nearest six digits would be 0.995123 and 2.71829, which nobody proved.
+    odd = replace(report, upper=0.99512345, scale_proven=2.71828777, scale_refuted=2.72000012)
+    said = "\n".join(odd.lines())
+    assert "at most 0.995124 " in said
+    assert "proven for M̄ times 2.71828," in said
+    assert "counter-example for M̄ times 2.72001 " in said
+    assert "at most 0.995124." in sentence(odd)
 
 
 def test_a_counter_example_outweighs_a_proof(arm: Arm, proof: CertificateResult) -> None:

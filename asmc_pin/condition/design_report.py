@@ -11,7 +11,7 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.hypotheses import Condition, Hypotheses
 from asmc_pin.condition.report import ConditionReport
 from asmc_pin.shown import UNDEFINED, Cells, Shown
-from asmc_pin.text import printable
+from asmc_pin.text import printable, rounded_down, rounded_up
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,8 +260,8 @@ class DesignReport(Shown):
     def _proven(check: ConditionReport) -> list[str]:
         if not check.scale_proven:
             return []
-        bound = "" if check.upper is None else f"the norm is at most {check.upper:.6g} over the box, and "
-        return [f"proven: {bound}the condition holds for M̄ times {check.scale_proven:.6g}"]
+        bound = "" if check.upper is None else f"the norm is at most {rounded_up(check.upper)} over the box, and "
+        return [f"proven: {bound}the condition holds for M̄ times {rounded_down(check.scale_proven)}"]
 
     def _limits(self) -> list[str]:
         return [

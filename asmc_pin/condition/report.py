@@ -11,7 +11,7 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.hypotheses import Condition, Hypotheses, Where
 from asmc_pin.condition.premises import worst_keys
 from asmc_pin.shown import Cells, Shown
-from asmc_pin.text import printable
+from asmc_pin.text import printable, rounded_down, rounded_up
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -169,11 +169,14 @@ def scale_lines(proven: float | None, refuted: float | None) -> list[str]:
     if refuted <= 0.0:
         return ["there are counter-examples for every positive multiple of M̄"]
     gap = 1.0 - (proven or 0.0) / refuted
-    return [f"proven for M̄ times {proven or 0.0:.6g}, counter-example for M̄ times {refuted:.6g} (gap {gap:.2%})"]
+    # Rounded so that what is printed is no more than what is proven.
+    holds, breaks = rounded_down(proven or 0.0), rounded_up(refuted)
+    return [f"proven for M̄ times {holds}, counter-example for M̄ times {breaks} (gap {gap:.2%})"]
 
 
 def bound_lines(upper: float | None) -> list[str]:
     """The proven bound of the norm."""
     if upper is None:
         return []
-    return [f"the norm is proven to be {f'at most {upper:.6g}' if upper < 1.0 else 'below 1'} over the box"]
+    bound = f"at most {rounded_up(upper)}" if upper < 1.0 else "below 1"
+    return [f"the norm is proven to be {bound} over the box"]

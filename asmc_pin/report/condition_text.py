@@ -9,7 +9,7 @@ import numpy as np
 
 from asmc_pin.condition import Condition, ConditionReport, DesignReport
 from asmc_pin.condition.hypotheses import NAMES
-from asmc_pin.text import printable
+from asmc_pin.text import printable, rounded_up
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -47,7 +47,7 @@ def sentence(report: ConditionReport | DesignReport) -> str:
         norm = f"the norm is {report.lower:.6g}, not below 1"
         return f"On {arm}, M̄ violates the condition: at the configuration below {norm}."
     if report.verdict == "holds":
-        bound = "below 1" if report.upper is None or report.upper >= 1.0 else f"at most {report.upper:.6g}"
+        bound = "below 1" if report.upper is None or report.upper >= 1.0 else f"at most {rounded_up(report.upper)}"
         return f"On {arm}, proven {where}: the norm is {bound}. The largest that was found is {report.lower:.6g}."
     if report.verdict == "undecided":
         return (
