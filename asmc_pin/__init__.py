@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from asmc_pin.arms import Payload as Payload
     from asmc_pin.arms import arm_names as arm_names
     from asmc_pin.arms import load_arm as load_arm
-    from asmc_pin.arms.options import Unchanged as Unchanged
+    from asmc_pin.arms.arm_options import Unchanged as Unchanged
     from asmc_pin.baselines import BASELINES as BASELINES
     from asmc_pin.baselines import ModelLaw as ModelLaw
     from asmc_pin.condition import ConditionReport as ConditionReport
@@ -27,28 +27,22 @@ if TYPE_CHECKING:
     from asmc_pin.condition import read_recording as read_recording
     from asmc_pin.condition import verify as verify
     from asmc_pin.condition import weighted_norm as weighted_norm
+    from asmc_pin.condition.best_mbar.design_report import ArmaturePurchase as ArmaturePurchase
+    from asmc_pin.condition.best_mbar.design_report import DesignLimit as DesignLimit
+    from asmc_pin.condition.best_mbar.design_report import DesignPoint as DesignPoint
+    from asmc_pin.condition.best_mbar.design_report import DesignReport as DesignReport
+    from asmc_pin.condition.best_mbar.design_report import WeightedDesign as WeightedDesign
     from asmc_pin.condition.certificate import CertificateResult as CertificateResult
     from asmc_pin.condition.certificate import ProofProgress as ProofProgress
-    from asmc_pin.condition.certificate import certify as certify
-    from asmc_pin.condition.check import CheckedStatement as CheckedStatement
-    from asmc_pin.condition.check import CheckResult as CheckResult
-    from asmc_pin.condition.check import check as check
-    from asmc_pin.condition.check.conclusions import Conclusion as Conclusion
-    from asmc_pin.condition.check.spot_checks import Spots as Spots
-    from asmc_pin.condition.design_report import ArmaturePurchase as ArmaturePurchase
-    from asmc_pin.condition.design_report import DesignLimit as DesignLimit
-    from asmc_pin.condition.design_report import DesignPoint as DesignPoint
-    from asmc_pin.condition.design_report import DesignReport as DesignReport
-    from asmc_pin.condition.design_report import WeightedDesign as WeightedDesign
-    from asmc_pin.condition.gains import GainDesign as GainDesign
-    from asmc_pin.condition.gains import suggest_gains as suggest_gains
+    from asmc_pin.condition.certificate import certify
+    from asmc_pin.condition.checker import CheckedStatement as CheckedStatement
+    from asmc_pin.condition.checker import CheckResult as CheckResult
+    from asmc_pin.condition.checker import check as check
+    from asmc_pin.condition.checker.conclusions import Conclusion as Conclusion
+    from asmc_pin.condition.checker.spot_checks import Spots as Spots
     from asmc_pin.condition.hypotheses import Carried as Carried
     from asmc_pin.condition.hypotheses import Hypotheses as Hypotheses
     from asmc_pin.condition.hypotheses import Premises as Premises
-    from asmc_pin.condition.stability import LoopLimits as LoopLimits
-    from asmc_pin.condition.stability import SampledLoop as SampledLoop
-    from asmc_pin.condition.stability import StabilityReport as StabilityReport
-    from asmc_pin.condition.stability import stability as stability
     from asmc_pin.controllers import CONTROLLERS as CONTROLLERS
     from asmc_pin.controllers import AdaptiveState as AdaptiveState
     from asmc_pin.controllers import Choice as Choice
@@ -61,7 +55,9 @@ if TYPE_CHECKING:
     from asmc_pin.controllers import TdeLaw as TdeLaw
     from asmc_pin.controllers import TdeState as TdeState
     from asmc_pin.controllers import signed as signed
-    from asmc_pin.controllers.parameters import Values as Values
+    from asmc_pin.engine import LimitViolation as LimitViolation
+    from asmc_pin.engine import Rollout as Rollout
+    from asmc_pin.engine import rollout as rollout
     from asmc_pin.errors import ArmError as ArmError
     from asmc_pin.errors import AsmcPinError as AsmcPinError
     from asmc_pin.errors import ExperimentError as ExperimentError
@@ -77,6 +73,9 @@ if TYPE_CHECKING:
     from asmc_pin.metrics import Metric as Metric
     from asmc_pin.metrics import MetricSettings as MetricSettings
     from asmc_pin.metrics import evaluate as evaluate
+    from asmc_pin.pages.summary_tables import Table as Table
+    from asmc_pin.parameters import OptionalPerJoint as OptionalPerJoint
+    from asmc_pin.parameters import Values as Values
     from asmc_pin.plant import Disturbance as Disturbance
     from asmc_pin.plant import Drive as Drive
     from asmc_pin.plant import EndStops as EndStops
@@ -86,23 +85,24 @@ if TYPE_CHECKING:
     from asmc_pin.plant import Plant as Plant
     from asmc_pin.plant import Sensor as Sensor
     from asmc_pin.plant import Spread as Spread
-    from asmc_pin.plant.parameters import OptionalPerJoint as OptionalPerJoint
     from asmc_pin.references import REFERENCES as REFERENCES
     from asmc_pin.references import Reference as Reference
-    from asmc_pin.report.tables import Table as Table
-    from asmc_pin.results import Result as Result
-    from asmc_pin.results import load_result as load_result
-    from asmc_pin.rollout import LimitViolation as LimitViolation
-    from asmc_pin.rollout import Rollout as Rollout
-    from asmc_pin.rollout import rollout as rollout
+    from asmc_pin.reproduction.reproducing import Reproduction as Reproduction
+    from asmc_pin.reproduction.reproducing import reproduce as reproduce
+    from asmc_pin.results.result_folder import Result as Result
+    from asmc_pin.results.result_folder import load_result as load_result
+    from asmc_pin.sampled import LoopLimits as LoopLimits
+    from asmc_pin.sampled import SampledLoop as SampledLoop
+    from asmc_pin.sampled import StabilityReport as StabilityReport
+    from asmc_pin.sampled import stability as stability
+    from asmc_pin.sampled.gains import GainDesign as GainDesign
+    from asmc_pin.sampled.gains import suggest_gains as suggest_gains
     from asmc_pin.study import Comparison as Comparison
     from asmc_pin.study import compare as compare
-    from asmc_pin.study.notes import Lemma1Range as Lemma1Range
-    from asmc_pin.study.refine import Refinement as Refinement
-    from asmc_pin.study.reproduce import Reproduction as Reproduction
-    from asmc_pin.study.reproduce import reproduce as reproduce
-    from asmc_pin.study.theorems import Theorems as Theorems
-    from asmc_pin.study.view import view as view
+    from asmc_pin.study.comparison_notes import Lemma1Range as Lemma1Range
+    from asmc_pin.study.refinement import Refinement as Refinement
+    from asmc_pin.study.run_monitors import Theorems as Theorems
+    from asmc_pin.study.viewing import view as view
     from asmc_pin.tool_error import ToolError as ToolError
 
 _HOME = {
@@ -110,33 +110,33 @@ _HOME = {
     "AgreementReport": "agreement",
     "Arm": "arms",
     "ArmError": "errors",
-    "ArmaturePurchase": "condition.design_report",
+    "ArmaturePurchase": "condition.best_mbar.design_report",
     "AsmcPinError": "errors",
     "BASELINES": "baselines",
     "CONTROLLERS": "controllers",
     "Carried": "condition.hypotheses",
     "CertificateResult": "condition.certificate",
-    "CheckResult": "condition.check",
-    "CheckedStatement": "condition.check",
+    "CheckResult": "condition.checker",
+    "CheckedStatement": "condition.checker",
     "Choice": "controllers",
     "Comparison": "study",
-    "Conclusion": "condition.check.conclusions",
+    "Conclusion": "condition.checker.conclusions",
     "ConditionReport": "condition",
     "Controller": "controllers",
-    "DesignLimit": "condition.design_report",
-    "DesignPoint": "condition.design_report",
-    "DesignReport": "condition.design_report",
+    "DesignLimit": "condition.best_mbar.design_report",
+    "DesignPoint": "condition.best_mbar.design_report",
+    "DesignReport": "condition.best_mbar.design_report",
     "Disturbance": "plant",
     "Drive": "plant",
     "EndStops": "plant",
     "Experiment": "experiment",
     "ExperimentError": "errors",
     "Friction": "plant",
-    "GainDesign": "condition.gains",
+    "GainDesign": "sampled.gains",
     "Hypotheses": "condition.hypotheses",
-    "Lemma1Range": "study.notes",
-    "LimitViolation": "rollout",
-    "LoopLimits": "condition.stability",
+    "Lemma1Range": "study.comparison_notes",
+    "LimitViolation": "engine",
+    "LoopLimits": "sampled",
     "METRICS": "metrics",
     "Metric": "metrics",
     "MetricSettings": "metrics",
@@ -145,7 +145,7 @@ _HOME = {
     "Motion": "plant",
     "NotComparableError": "errors",
     "NotPositiveDefinite": "errors",
-    "OptionalPerJoint": "plant.parameters",
+    "OptionalPerJoint": "parameters",
     "OptionalScalar": "controllers",
     "ParameterError": "errors",
     "Payload": "arms",
@@ -157,32 +157,32 @@ _HOME = {
     "REFERENCES": "references",
     "Recording": "condition",
     "Reference": "references",
-    "Refinement": "study.refine",
-    "Reproduction": "study.reproduce",
-    "Result": "results",
+    "Refinement": "study.refinement",
+    "Reproduction": "reproduction.reproducing",
+    "Result": "results.result_folder",
     "ResultError": "errors",
-    "Rollout": "rollout",
+    "Rollout": "engine",
     "Sample": "controllers",
-    "SampledLoop": "condition.stability",
+    "SampledLoop": "sampled",
     "Scalar": "controllers",
     "Sensor": "plant",
     "Setpoint": "controllers",
-    "Spots": "condition.check.spot_checks",
+    "Spots": "condition.checker.spot_checks",
     "Spread": "plant",
-    "StabilityReport": "condition.stability",
-    "Table": "report.tables",
+    "StabilityReport": "sampled",
+    "Table": "pages.summary_tables",
     "TdeLaw": "controllers",
     "TdeState": "controllers",
-    "Theorems": "study.theorems",
+    "Theorems": "study.run_monitors",
     "ToolError": "tool_error",
-    "Unchanged": "arms.options",
-    "Values": "controllers.parameters",
-    "WeightedDesign": "condition.design_report",
+    "Unchanged": "arms.arm_options",
+    "Values": "parameters",
+    "WeightedDesign": "condition.best_mbar.design_report",
     "agree": "agreement",
     "arm_names": "arms",
     "certified": "condition",
     "certify": "condition.certificate",
-    "check": "condition.check",
+    "check": "condition.checker",
     "compare": "study",
     "design": "condition",
     "evaluate": "metrics",
@@ -190,19 +190,19 @@ _HOME = {
     "lemma1_norm": "condition",
     "load_arm": "arms",
     "load_experiment": "experiment",
-    "load_result": "results",
+    "load_result": "results.result_folder",
     "read_recording": "condition",
-    "reproduce": "study.reproduce",
-    "rollout": "rollout",
+    "reproduce": "reproduction.reproducing",
+    "rollout": "engine",
     "signed": "controllers",
-    "stability": "condition.stability",
-    "suggest_gains": "condition.gains",
+    "stability": "sampled",
+    "suggest_gains": "sampled.gains",
     "verify": "condition",
-    "view": "study.view",
+    "view": "study.viewing",
     "weighted_norm": "condition",
 }
 
-load_on_first_use(__name__, _HOME)
+__getattr__, __dir__ = load_on_first_use(__name__, _HOME)
 
 __all__ = [  # noqa: RUF022 - grouped as a reader looks for them
     # Arms

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from asmc_pin.text import message_text
+from asmc_pin.words.text import message_text
 
 
 class AsmcPinError(Exception):

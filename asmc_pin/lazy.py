@@ -1,41 +1,30 @@
-"""Packages whose public names load on first use: importing one, or a light module in it, stays quick."""
+"""Public names of a package that load on first use: importing it, or a light module in it, stays quick (PEP 562)."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib import import_module
-from types import ModuleType
 
 
-class _Package(ModuleType):
-    """A package; where a module and a public name of it are alike, the name stays what is public."""
+def load_on_first_use(
+    package: str, homes: Mapping[str, str]
+) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+    """The ``__getattr__`` and the ``__dir__`` of a package whose public names load when they are first asked for.
 
-    _homes: Mapping[str, str]
-
-    def __getattr__(self, name: str) -> object:
-        if name not in self._homes:
-            raise AttributeError(f"module '{self.__name__}' has no attribute '{name}'")
-        value = getattr(import_module(f"{self.__name__}.{self._homes[name]}"), name)
-        setattr(self, name, value)
-        return value
-
-    def __setattr__(self, name: str, value: object) -> None:
-        # Whoever imports the module of a public name would put it in that name's place.
-        shadows = isinstance(value, ModuleType) and self._homes.get(name) == name
-        super().__setattr__(name, getattr(value, name) if shadows else value)
-
-    def __dir__(self) -> list[str]:
-        return sorted({*vars(self), *self._homes})
-
-
-def load_on_first_use(package: str, homes: Mapping[str, str]) -> None:
-    """Make the public names of a package load when they are first asked for.
+    A module of the package may not bear one of the names: importing it would put it in the name's place.
 
     Args:
         package: The package's own ``__name__``.
         homes: The module that defines each name, as seen from the package.
     """
     module = sys.modules[package]
-    module.__dict__["_homes"] = dict(homes)
-    module.__class__ = _Package
+
+    def load(name: str) -> object:
+        if name not in homes:
+            raise AttributeError(f"module '{package}' has no attribute '{name}'")
+        value = getattr(import_module(f"{package}.{homes[name]}"), name)
+        setattr(module, name, value)
+        return value
+
+    return load, lambda: sorted({*vars(module), *homes})

@@ -23,7 +23,7 @@ from asmc_pin._typing import Array
 from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
-    from asmc_pin.rollout import Rollout
+    from asmc_pin.engine import Rollout
 
 # Of a revolute and of a prismatic joint, SI.
 QUANTITIES: Mapping[str, tuple[str, str]] = MappingProxyType(

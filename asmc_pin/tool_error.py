@@ -8,9 +8,9 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
-from asmc_pin.arms.kinematics import FrameKinematics
+from asmc_pin.arms.frame_kinematics import FrameKinematics
+from asmc_pin.engine import Rollout
 from asmc_pin.errors import ParameterError
-from asmc_pin.rollout import Rollout
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,8 +14,8 @@ import argparse
 import numpy as np
 
 from asmc_pin import design, load_arm
-from asmc_pin.condition.along import motion_of, tube
 from asmc_pin.condition.certificate import CertificateResult, certify
+from asmc_pin.condition.domain.along_motion import motion_of, tube
 from asmc_pin.references import Ramps
 
 MID6, MID7 = [0.5, 0.5, 0.3, 0.05, 0.05, 0.05], [0.5, 0.5, 0.3, 0.3, 0.05, 0.05, 0.05]

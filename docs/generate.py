@@ -10,8 +10,8 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from asmc_pin.files import write_whole
-from asmc_pin.media import for_cell
+from asmc_pin.disk.files import write_whole
+from asmc_pin.words.media import for_cell
 
 README = Path(__file__).resolve().parent.parent / "README.md"
 
@@ -23,21 +23,21 @@ def _table(header: list[str], rows: list[list[str]]) -> str:
 
 def arms() -> str:
     """One row per named arm."""
-    from asmc_pin.cli.tables import arm_rows
+    from asmc_pin.cli.commands.listing_commands import arm_rows
 
     return _table(*arm_rows())
 
 
 def controllers() -> str:
     """One row per control law."""
-    from asmc_pin.cli.tables import controller_rows
+    from asmc_pin.cli.commands.listing_commands import controller_rows
 
     return _table(*controller_rows())
 
 
 def metrics() -> str:
     """One row per metric."""
-    from asmc_pin.cli.tables import metric_rows
+    from asmc_pin.cli.commands.listing_commands import metric_rows
 
     return _table(*metric_rows())
 

@@ -13,12 +13,12 @@ from scipy.spatial.transform import Rotation
 
 from asmc_pin import load_arm
 from asmc_pin._typing import Array
-from asmc_pin.arms.kernels import mass_matrices
-from asmc_pin.arms.tree import Tree
 from asmc_pin.condition import lemma1_norm, weighted_norm
 from asmc_pin.condition.certificate import CertificateResult, certify
-from asmc_pin.condition.certificate.kernels_tree import DONE, explore
-from asmc_pin.condition.certificate.problem import Kind, Statement, problem_of
+from asmc_pin.condition.certificate.compiled.bisection_tree import DONE, explore
+from asmc_pin.condition.certificate.statement_forms import Kind, Statement, problem_of
+from asmc_pin.rigid_body.mass_matrix import mass_matrices
+from asmc_pin.rigid_body.tree import Tree
 
 UR5_WEIGHTED = (0.2978, 0.514, 0.1109, 0.0546, 0.0313, 0.0022)
 """Near the best M̄ of the bare UR5 under the weighted condition; a violation at 1.033 times it is known."""

@@ -10,11 +10,11 @@ from condition_cases import chain_urdf
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.certificate.container import FORMAT
-from asmc_pin.condition.check.balls import BallArm
-from asmc_pin.condition.check.contents import Case, Contents, Statement, contents
-from asmc_pin.condition.check.links import Chain, chain_of, cross
-from asmc_pin.condition.check.quadratic_form import Form
-from asmc_pin.condition.check.urdf_text import description
+from asmc_pin.condition.checker.balls.balls import BallArm
+from asmc_pin.condition.checker.boxes.quadratic_form import Form
+from asmc_pin.condition.checker.reading.certificate_schema import Case, Contents, Statement, contents
+from asmc_pin.condition.checker.reading.link_chain import Chain, chain_of, cross
+from asmc_pin.condition.checker.reading.urdf_text import description
 
 KINDS = ("weighted", "bounded", "lemma1", "level")
 ZERO = "0x0.0p+0"

@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from asmc_pin.agreement import AgreementReport, agree
-from asmc_pin.agreement import engine as engine_module
+from asmc_pin.agreement import mujoco_model as engine_module
 from asmc_pin.arms import Arm, arm_names, load_arm
 from asmc_pin.errors import MissingDependencyError, ParameterError
 

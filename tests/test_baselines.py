@@ -14,9 +14,9 @@ from plant_cases import Accelerating, Still, Waving, slider
 from asmc_pin.arms import Arm, load_arm
 from asmc_pin.baselines import BASELINES, MARK, ComputedTorque, PdGravity, baselines_table, knows_model
 from asmc_pin.controllers import CONTROLLERS, Ppc, Sample, Setpoint, parameters_of
+from asmc_pin.engine import rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.plant import Friction, Plant
-from asmc_pin.rollout import rollout
 
 Q0 = np.array([0.3, -1.0, 1.2, 0.4, 0.8, 0.2])
 GAINS: dict[str, dict[str, Any]] = {

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from asmc_pin.baselines import MARK, ComputedTorque
+from asmc_pin.engine import rollout
 from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment import Experiment, load_experiment
-from asmc_pin.results import load_result
-from asmc_pin.rollout import rollout
+from asmc_pin.results.result_folder import load_result
 from asmc_pin.study import Comparison, compare
 
 EXPERIMENT: dict[str, Any] = {

@@ -10,9 +10,9 @@ import pytest
 from hostile import BODY, asked, chain, refusal, small_result, verify
 from short_experiment import SHORT
 
-from asmc_pin.arms.magnitudes import MOVING_JOINTS
+from asmc_pin.arms.urdf.magnitudes import MOVING_JOINTS
+from asmc_pin.disk.reading import read_file, user_path
 from asmc_pin.errors import AsmcPinError
-from asmc_pin.reading import read_file, user_path
 
 GIGABYTE = 2**30
 

@@ -16,7 +16,7 @@ from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
 from asmc_pin.condition import CONDITIONS, search_worst, verify
 from asmc_pin.condition.certificate import ProofProgress, certify
-from asmc_pin.condition.certified import certified
+from asmc_pin.condition.certificate.search_and_proof import certified
 from asmc_pin.errors import ArmError, ParameterError
 from asmc_pin.references import Ramps
 

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from asmc_pin.condition.certificate.container import FORMAT, digest, numbers
-from asmc_pin.condition.check import CheckResult, check
-from asmc_pin.condition.check.contents import Load
-from asmc_pin.condition.check.links import chain_of
-from asmc_pin.condition.check.urdf_text import Unreadable, description
+from asmc_pin.condition.checker import CheckResult, check
+from asmc_pin.condition.checker.reading.certificate_schema import Load
+from asmc_pin.condition.checker.reading.link_chain import chain_of
+from asmc_pin.condition.checker.reading.urdf_text import Unreadable, description
 
 LIMIT = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
 

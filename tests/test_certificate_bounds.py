@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.certificate import kernels_base, kernels_dense, kernels_loss, kernels_motion
+from asmc_pin.condition.certificate.compiled import cell_loss, dense_forms, first_joints, joint_steps
 
 SIZES = (6, 12)
 
@@ -44,9 +44,9 @@ def test_turning_and_sliding_a_form_is_the_congruence_it_says(m: int) -> None:
     out = np.empty((m, m))
     for _ in range(20):
         F, q = random_form(rng, m), rng.uniform(-3.0, 3.0)
-        kernels_motion.turn(F, np.cos(q), np.sin(q), out)
+        joint_steps.turn(F, np.cos(q), np.sin(q), out)
         assert out == pytest.approx(turned(F, q), rel=1e-12, abs=1e-12 * np.abs(F).max())
-        kernels_motion.slide(F, q, out)
+        joint_steps.slide(F, q, out)
         assert out == pytest.approx(slid(F, q), rel=1e-12, abs=1e-11 * np.abs(F).max())
 
 
@@ -56,15 +56,15 @@ def covered(F: Array, slides: bool, r: float, rng: np.random.Generator) -> tuple
     basis = np.linalg.qr(rng.normal(size=(m, m)))[0] * 10.0 ** rng.uniform(-1.0, 1.0, m)
     K, work = np.empty((m, m)), np.empty((10, m, m))
     size = np.abs(F).sum(axis=1)
-    assert kernels_loss.loss(F, slides, r, basis, np.linalg.inv(basis), basis @ basis.T, size, K, work)
+    assert cell_loss.loss(F, slides, r, basis, np.linalg.inv(basis), basis @ basis.T, size, K, work)
     moved = slid if slides else turned
     low, high = moved(F, -r), moved(F, r)
     mean = np.empty((m, m))
-    kernels_loss.mean_of_turn(F, mean)
+    cell_loss.mean_of_turn(F, mean)
     least = np.inf
     for at in np.linspace(-r, r, 41):
         share = at / r if slides else np.sin(at) / np.sin(r)
-        mix = mean if not slides and r > kernels_loss.WHOLE else 0.5 * ((1.0 - share) * low + (1.0 + share) * high)
+        mix = mean if not slides and r > cell_loss.WHOLE else 0.5 * ((1.0 - share) * low + (1.0 + share) * high)
         least = min(least, float(np.linalg.eigvalsh(moved(F, at) - mix + K)[0]))
     return least, float(np.linalg.eigvalsh(K)[-1])
 
@@ -103,14 +103,14 @@ def test_elimination_is_below_the_minimum_over_the_joints_velocities(p: int, e: 
         axis = int(rng.choice([2, 5]))
         size = np.abs(A).sum(axis=1)
         F, U, D = np.empty((m, m)), np.empty((e, m)), np.empty((e, e))
-        sure = kernels_motion.eliminate(A, size, axis, R, T, F, U, D, np.empty((e, m)), np.empty((e, e)))
+        sure = joint_steps.eliminate(A, size, axis, R, T, F, U, D, np.empty((e, m)), np.empty((e, e)))
         columns = np.kron(R, np.eye(6)[:, [axis]])
         own = columns.T @ A @ columns + T
         if not sure:
             assert np.linalg.eigvalsh(own)[0] < 1e-8 * np.abs(own).max()
             continue
         done += 1
-        F -= kernels_motion.GUARD * np.diag(size)
+        F -= joint_steps.GUARD * np.diag(size)
         # F is below if the minimum less F is positive: the Schur complement of own in what is left.
         left = np.block([[A - F, A @ columns], [columns.T @ A, own]])
         scale = 1.0 / np.sqrt(np.abs(np.diag(left)).clip(1e-300))
@@ -126,7 +126,7 @@ def test_shifting_a_form_to_the_parent_rounds_down() -> None:
             lifted = np.kron(np.eye(m // 6), X)
             exact = A + lifted.T @ B @ lifted
             out, size = A.copy(), np.empty(m)
-            kernels_motion.shift_onto(B, X, out, size, np.empty((m, m)), np.empty(m), np.empty(m))
+            joint_steps.shift_onto(B, X, out, size, np.empty((m, m)), np.empty(m), np.empty(m))
             assert np.all(np.diag(exact - out) > 0.0)
             assert np.abs(exact - out).max() < 1e-11 * size.max()
             scale = 1.0 / np.sqrt(size)
@@ -155,7 +155,7 @@ def test_what_cholesky_calls_positive_is_so_in_exact_fractions() -> None:
         values[0] = rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-17.0, -10.0)
         S = (basis * values) @ basis.T
         S = np.tril(S) + np.tril(S, -1).T
-        if kernels_dense.surely_positive(S, np.zeros(m), np.empty((m, m))):
+        if dense_forms.surely_positive(S, np.zeros(m), np.empty((m, m))):
             yes += 1
             assert exactly_positive(S)
     assert yes > 50
@@ -178,7 +178,7 @@ def test_a_polynomial_is_called_positive_over_a_range_only_where_it_is(e: int) -
         # Lift it so that its least value is a hair above or below zero.
         C[0] += (rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-6.0, -1.0) - least) * np.eye(e)
         least = np.linalg.eigvalsh(np.tensordot(basis, C, axes=(0, 0)))[:, 0].min()
-        sure = kernels_base.positive_over_range(C, 0.0, lower, upper, stack)
+        sure = first_joints.positive_over_range(C, 0.0, lower, upper, stack)
         assert not sure or least > 0.0
         yes, no = yes + sure, no + (not sure and least > 5e-5)
     assert yes > 100
@@ -191,11 +191,11 @@ def test_eigenpairs_that_guide_the_loss_are_eigenpairs() -> None:
         for _ in range(50):
             A = random_form(rng, m)
             V, d = np.empty((m, m)), np.empty(m)
-            kernels_dense.eigen(A, V, d, np.empty(m))
+            dense_forms.eigen(A, V, d, np.empty(m))
             assert np.abs(V.T @ V - np.eye(m)).max() < 1e-12
             assert (V * d) @ V.T == pytest.approx(A, abs=1e-11 * np.abs(A).max())
     # A form without any part keeps the eigenvectors' basis whole.
     V, d = np.empty((6, 6)), np.empty(6)
-    kernels_dense.eigen(np.zeros((6, 6)), V, d, np.empty(6))
+    dense_forms.eigen(np.zeros((6, 6)), V, d, np.empty(6))
     assert np.all(d == 0.0)
     assert np.abs(V.T @ V - np.eye(6)).max() < 1e-14

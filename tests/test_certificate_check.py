@@ -17,11 +17,11 @@ from asmc_pin import load_arm
 from asmc_pin.arms import Payload
 from asmc_pin.condition.certificate import certify
 from asmc_pin.condition.certificate.container import digest, numbers, read
-from asmc_pin.condition.check import check
-from asmc_pin.condition.check.bisection import Broken, cells
-from asmc_pin.condition.check.contents import Load
-from asmc_pin.condition.check.links import chain_of
-from asmc_pin.condition.check.urdf_text import Unreadable, description
+from asmc_pin.condition.checker import check
+from asmc_pin.condition.checker.boxes.bisection import Broken, cells
+from asmc_pin.condition.checker.reading.certificate_schema import Load
+from asmc_pin.condition.checker.reading.link_chain import chain_of
+from asmc_pin.condition.checker.reading.urdf_text import Unreadable, description
 from asmc_pin.errors import ResultError
 
 

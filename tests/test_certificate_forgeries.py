@@ -23,7 +23,7 @@ from asmc_pin import load_arm
 from asmc_pin.arms import Arm, Payload
 from asmc_pin.condition.certificate import CertificateResult, certify
 from asmc_pin.condition.certificate.container import Container, digest, read
-from asmc_pin.condition.check import check
+from asmc_pin.condition.checker import check
 from asmc_pin.errors import ResultError
 from asmc_pin.experiment import load_experiment
 

@@ -17,22 +17,22 @@ from condition_cases import chain
 from asmc_pin import Setpoint, load_arm, verify
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm, Payload
-from asmc_pin.arms.kernels import mass_matrices
-from asmc_pin.arms.tree import Tree
 from asmc_pin.condition import lemma1_norm
-from asmc_pin.condition.along import Motion, tube
-from asmc_pin.condition.box import resolve_box
 from asmc_pin.condition.certificate import certify, strategy
-from asmc_pin.condition.certificate.kernels_dense import surely_positive
-from asmc_pin.condition.certificate.kernels_tree import cell
-from asmc_pin.condition.certificate.problem import DATA, MARGIN, Kind, Statement, _largest, problem_of
+from asmc_pin.condition.certificate.compiled.bisection_tree import cell
+from asmc_pin.condition.certificate.compiled.dense_forms import surely_positive
+from asmc_pin.condition.certificate.search_and_proof import certified
+from asmc_pin.condition.certificate.statement_forms import DATA, MARGIN, Kind, Statement, _largest, problem_of
 from asmc_pin.condition.certificate.walk import Walk
-from asmc_pin.condition.certified import certified
-from asmc_pin.condition.check import check
-from asmc_pin.condition.sampling import evaluate
-from asmc_pin.condition.variants import cases
+from asmc_pin.condition.checker import check
+from asmc_pin.condition.domain.along_motion import Motion, tube
+from asmc_pin.condition.domain.arm_ranges import cases
+from asmc_pin.condition.domain.joint_box import resolve_box
+from asmc_pin.condition.search.samples import evaluate
 from asmc_pin.errors import ArmError, NotPositiveDefinite, ParameterError
 from asmc_pin.references import Quintic
+from asmc_pin.rigid_body.mass_matrix import mass_matrices
+from asmc_pin.rigid_body.tree import Tree
 
 KINDS: tuple[Kind, ...] = ("weighted", "bounded", "lemma1", "level")
 

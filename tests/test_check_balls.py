@@ -13,8 +13,8 @@ from asmc_pin import load_arm
 from asmc_pin._typing import Array
 from asmc_pin.arms import arm_names
 from asmc_pin.condition import lemma1_norm, weighted_norm
-from asmc_pin.condition.check import box_bounds, spot_checks, statements
-from asmc_pin.condition.check.balls import (
+from asmc_pin.condition.checker import spot_checks
+from asmc_pin.condition.checker.balls.balls import (
     BallArm,
     Verdict,
     downward,
@@ -23,10 +23,11 @@ from asmc_pin.condition.check.balls import (
     norm_bound,
     positive,
 )
-from asmc_pin.condition.check.contents import Contents, Load
-from asmc_pin.condition.check.links import Chain, chain_of
-from asmc_pin.condition.check.quadratic_form import form_of
-from asmc_pin.condition.check.urdf_text import description
+from asmc_pin.condition.checker.boxes import box_bounds, statements
+from asmc_pin.condition.checker.boxes.quadratic_form import form_of
+from asmc_pin.condition.checker.reading.certificate_schema import Contents, Load
+from asmc_pin.condition.checker.reading.link_chain import Chain, chain_of
+from asmc_pin.condition.checker.reading.urdf_text import description
 
 
 @pytest.fixture(autouse=True)

@@ -23,12 +23,12 @@ from check_cases import (
 from flint import arb, arb_mat, ctx
 
 from asmc_pin._typing import Array
-from asmc_pin.arms.kernels import mass_matrices
-from asmc_pin.arms.tree import Tree
-from asmc_pin.condition.check import box_bounds as bounds
-from asmc_pin.condition.check.contents import Statement
-from asmc_pin.condition.check.links import Chain, cross
-from asmc_pin.condition.check.quadratic_form import Form, form_of
+from asmc_pin.condition.checker.boxes import box_bounds as bounds
+from asmc_pin.condition.checker.boxes.quadratic_form import Form, form_of
+from asmc_pin.condition.checker.reading.certificate_schema import Statement
+from asmc_pin.condition.checker.reading.link_chain import Chain, cross
+from asmc_pin.rigid_body.mass_matrix import mass_matrices
+from asmc_pin.rigid_body.tree import Tree
 
 TOLERANCE = 1e-12
 

@@ -10,11 +10,11 @@ import pytest
 from check_cases import arm, case, condition_of, header, hexed, statement, told
 from condition_cases import chain_urdf
 
-from asmc_pin.condition.check.conclusions import Conclusion, Witness, conclude, disagreements
-from asmc_pin.condition.check.contents import Contents, Malformed
-from asmc_pin.condition.check.subject import Subject, subject
-from asmc_pin.condition.check.urdf_text import description
-from asmc_pin.condition.check.witness import witness
+from asmc_pin.condition.checker.balls.witness import witness
+from asmc_pin.condition.checker.conclusions import Conclusion, Witness, conclude, disagreements
+from asmc_pin.condition.checker.reading.certificate_schema import Contents, Malformed
+from asmc_pin.condition.checker.reading.subject import Subject, subject
+from asmc_pin.condition.checker.reading.urdf_text import description
 
 NOTHING = Witness(0.0, False, False)
 

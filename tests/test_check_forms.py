@@ -11,10 +11,10 @@ import pytest
 from check_cases import KINDS, arm, parsed_statement
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.check.bisection import Broken, Cells, cells, leaves
-from asmc_pin.condition.check.contents import Statement
-from asmc_pin.condition.check.quadratic_form import Form, form_of, joint_space, least_eigenvalues, metrics
-from asmc_pin.condition.check.statements import _halves
+from asmc_pin.condition.checker.boxes.bisection import Broken, Cells, cells, leaves
+from asmc_pin.condition.checker.boxes.quadratic_form import Form, form_of, joint_space, least_eigenvalues, metrics
+from asmc_pin.condition.checker.boxes.statements import _halves
+from asmc_pin.condition.checker.reading.certificate_schema import Statement
 
 # The four statements ------------------------------------------------------------------------------------------------
 

@@ -9,8 +9,8 @@ import pytest
 from short_experiment import SHORT
 
 from asmc_pin.cli import main
-from asmc_pin.cli.study import print_comparison
-from asmc_pin.report.tables import Table
+from asmc_pin.cli.commands.study_commands import print_comparison
+from asmc_pin.pages.summary_tables import Table
 
 UR5 = (
     "0.14832641607830951,0.16745534835366926,0.15042781767398009,"
@@ -125,7 +125,7 @@ def test_what_ends_a_run_from_outside_is_one_message_too(asmc_pin, monkeypatch, 
     def fail(*_args, **_kwargs):
         raise raised
 
-    monkeypatch.setattr("asmc_pin.condition.verify", fail)
+    monkeypatch.setattr("asmc_pin.condition.verifying", fail)
     given, out, err = asmc_pin("verify", "ur5", "--mbar", "0.1")
     assert (given, out) == (status, "")
     assert err.startswith(f"asmc-pin: {says}")

@@ -11,12 +11,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from asmc_pin import results
+from asmc_pin.engine import rollout
 from asmc_pin.errors import ExperimentError, ResultError
 from asmc_pin.experiment import Experiment, load_experiment
-from asmc_pin.experiment.toml import write_toml
+from asmc_pin.experiment.toml_text import write_toml
 from asmc_pin.metrics import METRICS
-from asmc_pin.rollout import rollout
+from asmc_pin.results import result_folder
 from asmc_pin.study import compare
 
 DATA = {
@@ -73,8 +73,8 @@ def done(tmp_path_factory):
 @pytest.fixture
 def unillustrated(monkeypatch):
     """Without figures and report, which take most of the time and are not what is looked at."""
-    monkeypatch.setattr(sys.modules["asmc_pin.study.compare"], "draw_figures", lambda *_: [])
-    monkeypatch.setattr("asmc_pin.report.html.report_html", lambda *_: None)
+    monkeypatch.setattr(sys.modules["asmc_pin.study.comparing"], "draw_figures", lambda *_: [])
+    monkeypatch.setattr("asmc_pin.pages.comparison_page.report_html", lambda *_: None)
 
 
 def test_a_comparison_leaves_every_file_and_nothing_beside_it(done):
@@ -202,7 +202,7 @@ def test_trouble_is_warned_of_before_the_run_where_it_can_be_and_written_down(tm
     assert "Shy" not in next(line for line in heard if "Lemma 1" in line)
     assert order.index("warning") < order.index("PPC")
     assert all(line in (comparison.out / "summary.md").read_text(encoding="utf-8") for line in heard)
-    assert results.load_result(comparison.out).dataset.attrs["warnings"].splitlines() == heard
+    assert result_folder.load_result(comparison.out).dataset.attrs["warnings"].splitlines() == heard
 
 
 def test_a_law_that_diverges_is_a_status_and_has_no_figures(tmp_path, unillustrated):
@@ -259,7 +259,7 @@ def test_whatever_breaks_off_nothing_half_written_stays_and_the_old_result_does(
     def fail(*_args, **_kwargs):
         raise trouble
 
-    monkeypatch.setattr(sys.modules["asmc_pin.study.compare"], step, fail)
+    monkeypatch.setattr(sys.modules["asmc_pin.study.comparing"], step, fail)
     for out, force in ((tmp_path / "new", False), (old, True)):
         with pytest.raises((KeyboardInterrupt, OSError)):
             compare(experiment_with(), out=out, force=force)

@@ -10,9 +10,9 @@ import pytest
 from asmc_pin import load_arm, verify
 from asmc_pin.arms import Arm
 from asmc_pin.condition.certificate import CertificateResult, certify
-from asmc_pin.condition.certified import certified
+from asmc_pin.condition.certificate.search_and_proof import certified
 from asmc_pin.errors import ParameterError
-from asmc_pin.report.condition_text import sentence
+from asmc_pin.pages.condition_words import sentence
 
 
 @pytest.fixture(scope="module")

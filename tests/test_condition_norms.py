@@ -11,12 +11,19 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from asmc_pin import load_arm
-from asmc_pin.condition import kernels, lemma1_norm, weighted_norm
-from asmc_pin.condition.kernels_chain import chain_of
-from asmc_pin.condition.sampling import evaluate
+from asmc_pin.condition import lemma1_norm, weighted_norm
+from asmc_pin.condition.norm import compiled_norms
+from asmc_pin.condition.search.samples import evaluate
 from asmc_pin.errors import NotPositiveDefinite, ParameterError
+from asmc_pin.rigid_body.mass_gradient import chain_of
 
-KINDS = (kernels.LEMMA1, kernels.WEIGHTED, kernels.LEMMA1_SCALE, kernels.WEIGHTED_SCALE, kernels.BANDWIDTH)
+KINDS = (
+    compiled_norms.LEMMA1,
+    compiled_norms.WEIGHTED,
+    compiled_norms.LEMMA1_SCALE,
+    compiled_norms.WEIGHTED_SCALE,
+    compiled_norms.BANDWIDTH,
+)
 
 
 def naive(mass: np.ndarray, mbar: np.ndarray) -> float:
@@ -154,13 +161,13 @@ def test_compiled_norms_equal_pinocchio_and_lapack_on_random_chains(
     rng = np.random.default_rng(seed)
     q = rng.uniform(-2, 2, (8, joints))
     mass, mbar = arm.mass_matrix(q), rng.uniform(0.01, 0.05, joints)
-    norms = evaluate(kernels.LEMMA1, arm, q, mbar)
+    norms = evaluate(compiled_norms.LEMMA1, arm, q, mbar)
     np.testing.assert_allclose(norms, [naive(m, mbar) for m in mass], rtol=1e-9, atol=1e-9)
-    weighted = evaluate(kernels.WEIGHTED, arm, q, mbar)
+    weighted = evaluate(compiled_norms.WEIGHTED, arm, q, mbar)
     np.testing.assert_allclose(weighted, weighted_norm(mass, mbar), rtol=1e-9, atol=1e-9)
     # The joint that carries the whole arm does not matter.
     q[:, 0] += rng.uniform(-3, 3, 8)
-    np.testing.assert_allclose(evaluate(kernels.LEMMA1, arm, q, mbar), norms, rtol=1e-9)
+    np.testing.assert_allclose(evaluate(compiled_norms.LEMMA1, arm, q, mbar), norms, rtol=1e-9)
 
 
 @pytest.mark.parametrize("name", ["kinova", "panda", "z1", "two_link"])
@@ -170,7 +177,7 @@ def test_compiled_norms_equal_pinocchio_and_lapack_on_named_arms(name: str) -> N
     mass = arm.mass_matrix(q)
     mbar = 0.3 * np.linalg.eigvalsh(mass).min() * np.ones(arm.nv)
     np.testing.assert_allclose(
-        evaluate(kernels.LEMMA1, arm, q, mbar), [naive(m, mbar) for m in mass], rtol=1e-9, atol=1e-9
+        evaluate(compiled_norms.LEMMA1, arm, q, mbar), [naive(m, mbar) for m in mass], rtol=1e-9, atol=1e-9
     )
 
 
@@ -183,7 +190,7 @@ def test_gradients_equal_differences(tmp_path: Path, kind: int, prismatic: bool)
     by_angle, by_armature = np.empty(5), np.empty(5)
     armature = np.full(5, 0.01)
     for q in rng.uniform(-1.5, 1.5, (6, 5)):
-        kernels.figure_gradient(kind, chain_of(arm), armature, q, mbar, by_angle, by_armature)
+        compiled_norms.figure_gradient(kind, chain_of(arm), armature, q, mbar, by_angle, by_armature)
         h, step = 1e-5, np.eye(5)
         up, down = (evaluate(kind, arm, q + s * h * step, mbar) for s in (1, -1))
         np.testing.assert_allclose(by_angle, (up - down) / (2 * h), rtol=1e-5, atol=1e-5 * np.abs(by_angle).max())

@@ -10,7 +10,7 @@ from condition_cases import chain
 
 from asmc_pin import load_arm, verify
 from asmc_pin.arms import Arm
-from asmc_pin.condition.recorded import Recording, read_recording, tde_error
+from asmc_pin.condition.domain.recorded_motion import Recording, read_recording, tde_error
 from asmc_pin.errors import ParameterError
 
 

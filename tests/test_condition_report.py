@@ -14,10 +14,10 @@ from condition_cases import UR5_MBAR, explained_two_link_design
 from asmc_pin import load_arm, verify
 from asmc_pin.arms import Arm
 from asmc_pin.condition import Recording, design, lemma1_norm, weighted_norm
-from asmc_pin.condition.heatmap import heatmap, pairs
+from asmc_pin.condition.search.norm_maps import heatmap, pairs
 from asmc_pin.errors import ParameterError, ResultError
-from asmc_pin.report.condition import write_condition_report
-from asmc_pin.report.condition_figures import distribution_figure, maps_figure
+from asmc_pin.pages.condition_figures import distribution_figure, maps_figure
+from asmc_pin.pages.condition_page import write_condition_report
 
 
 @pytest.fixture(scope="module")

@@ -13,8 +13,8 @@ from condition_cases import UR5_MBAR, chain
 from asmc_pin import Setpoint, load_arm, verify
 from asmc_pin.arms import Arm
 from asmc_pin.condition import CONDITIONS, lemma1_norm, scale_refuted, search_worst, weighted_norm
-from asmc_pin.condition.along import motion_of, tube
-from asmc_pin.condition.box import resolve_box
+from asmc_pin.condition.domain.along_motion import motion_of, tube
+from asmc_pin.condition.domain.joint_box import resolve_box
 from asmc_pin.errors import ArmError, ParameterError
 
 KEYS = (

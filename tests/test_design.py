@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from asmc_pin import load_arm
 from asmc_pin.arms import Arm
 from asmc_pin.condition import CONDITIONS, DesignReport, design, lemma1_norm, search_worst, verify, weighted_norm
-from asmc_pin.condition.program import Bounds, bandwidth_program, contraction_program
+from asmc_pin.condition.best_mbar.convex_program import Bounds, bandwidth_program, contraction_program
 from asmc_pin.errors import ParameterError
 
 FREE = Bounds(np.zeros(2), np.full(2, np.inf))

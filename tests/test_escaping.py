@@ -14,9 +14,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from asmc_pin.cli import main
-from asmc_pin.media import for_cell, for_figure, for_html, for_latex, for_markdown
-from asmc_pin.resources import shipped
-from asmc_pin.text import printable, visible
+from asmc_pin.disk.resources import shipped
+from asmc_pin.words.media import for_cell, for_figure, for_html, for_latex, for_markdown
+from asmc_pin.words.text import printable, visible
 
 NAMES = [
     "shoulder_pan_joint",
@@ -219,8 +219,8 @@ def test_a_summary_shows_labels_and_joints_in_markdown_and_latex(result):
 
 
 def test_a_terminal_and_json_show_labels_as_they_are(result, capsys):
+    from asmc_pin.cli.commands.study_commands import print_comparison
     from asmc_pin.cli.console import print_json
-    from asmc_pin.cli.study import print_comparison
 
     print_comparison(result)
     out = capsys.readouterr().out

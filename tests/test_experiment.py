@@ -13,7 +13,7 @@ import pytest
 
 from asmc_pin.condition import lemma1_norm
 from asmc_pin.controllers import CONTROLLERS, Baek2016
-from asmc_pin.controllers.parameters import parameters_of
+from asmc_pin.disk.resources import shipped
 from asmc_pin.errors import ArmError, ExperimentError
 from asmc_pin.experiment import (
     Experiment,
@@ -23,10 +23,10 @@ from asmc_pin.experiment import (
     load_experiment,
     load_law,
 )
-from asmc_pin.experiment.schema import ExperimentTables
-from asmc_pin.experiment.toml import parse_toml, write_toml
+from asmc_pin.experiment.toml_keys import ExperimentTables
+from asmc_pin.experiment.toml_text import parse_toml, write_toml
+from asmc_pin.parameters import parameters_of
 from asmc_pin.references import REFERENCES, check_reference
-from asmc_pin.resources import shipped
 
 ROOT = Path(__file__).resolve().parent.parent
 DATA = {

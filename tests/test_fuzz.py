@@ -115,7 +115,7 @@ def test_a_traceback_in_a_file_that_the_message_names_gives_the_place(tmp_path):
     (tmp_path / "tmp").mkdir()
     (tmp_path / "tmp" / "ours.txt").write_text(TRACE)
     (fault,) = faults(["verify"], said(4, err="asmc-pin: a fault of ours, see ours.txt\n"), tmp_path)
-    assert fault.where == "KeyError at asmc_pin/arms/load.py:load_arm"
+    assert fault.where == "KeyError at asmc_pin/arms/loading.py:load_arm"
 
 
 def hang():

@@ -11,8 +11,8 @@ from short_experiment import SHORT
 
 from asmc_pin.arms import load_arm
 from asmc_pin.viewer import draw
-from asmc_pin.viewer.bodies import DrawingWarning
-from asmc_pin.viewer.surface import PLAIN
+from asmc_pin.viewer.drawing.drawn_bodies import DrawingWarning
+from asmc_pin.viewer.drawing.surface import PLAIN
 
 BOX = '<geometry><box size="0.1 0.1 0.1"/></geometry>'
 
@@ -143,16 +143,16 @@ def test_a_comparison_runs_through_with_a_colour_that_is_a_word(tmp_path: Path, 
 
 @pytest.mark.parametrize("step", ["draw_figures", "report_html", "draw_theorems"])
 def test_a_fault_in_a_picture_leaves_the_run_and_a_warning(step: str, tmp_path: Path, monkeypatch) -> None:
-    from asmc_pin.results import load_result
+    from asmc_pin.results.result_folder import load_result
 
     def fail(*_args: object, **_kwargs: object) -> None:
         raise KeyError("some fault\nof ours")
 
-    home = {"draw_theorems": "asmc_pin.study.theorems", "report_html": "asmc_pin.report.html"}
-    import asmc_pin.report.html
-    import asmc_pin.study.compare  # noqa: F401
+    home = {"draw_theorems": "asmc_pin.study.run_monitors", "report_html": "asmc_pin.pages.comparison_page"}
+    import asmc_pin.pages.comparison_page
+    import asmc_pin.study.comparing  # noqa: F401
 
-    monkeypatch.setattr(sys.modules[home.get(step, "asmc_pin.study.compare")], step, fail)
+    monkeypatch.setattr(sys.modules[home.get(step, "asmc_pin.study.comparing")], step, fail)
     (tmp_path / "e.toml").write_text(SHORT.replace("duration = 0.2", "duration = 0.02"))
     said = asked("compare", tmp_path / "e.toml", "--out", tmp_path / "out")
     assert said.status == 0, said

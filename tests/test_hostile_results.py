@@ -14,7 +14,7 @@ import pytest
 from hostile import asked, refusal, small_result
 
 from asmc_pin.errors import ResultError
-from asmc_pin.results import load_result
+from asmc_pin.results.result_folder import load_result
 
 FILES = ["trajectories.nc", "monitors.nc", "summary.parquet", "claims.parquet", "provenance.json", "experiment.toml"]
 

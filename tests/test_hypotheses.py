@@ -19,14 +19,14 @@ from asmc_pin.arms import Arm, Payload
 from asmc_pin.cli import main
 from asmc_pin.condition import Recording, certified, design
 from asmc_pin.condition.certificate import certify
-from asmc_pin.condition.check import check
+from asmc_pin.condition.checker import check
 from asmc_pin.condition.hypotheses import Hypotheses, fold_locks, formula
-from asmc_pin.condition.lemma1 import Condition
-from asmc_pin.condition.stability import stability
+from asmc_pin.condition.norm.two_conditions import Condition
 from asmc_pin.errors import ParameterError
-from asmc_pin.report.condition import write_condition_report
-from asmc_pin.report.html import report_text
-from asmc_pin.results import load_result
+from asmc_pin.pages.comparison_page import report_text
+from asmc_pin.pages.condition_page import write_condition_report
+from asmc_pin.results.result_folder import load_result
+from asmc_pin.sampled import stability
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -339,6 +339,6 @@ def test_the_words_of_hypotheses_need_nothing_heavy() -> None:
     assert named - {"asmc_pin"} <= sys.stdlib_module_names
     named = imports_of("asmc_pin.condition.hypotheses", source)
     assert {name.rpartition(".")[0] for name in named if name.startswith("asmc_pin.")} <= {
-        "asmc_pin.choices",
-        "asmc_pin.text",
+        "asmc_pin.words.choices",
+        "asmc_pin.words.text",
     }

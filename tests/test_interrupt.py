@@ -72,7 +72,7 @@ def test_ctrl_c_at_any_time_is_130_or_too_late(share):
 
 
 GUARD = """
-import asmc_pin.cli.tables as tables
+import asmc_pin.cli.commands.listing_commands as tables
 def guarded():
     while True:
         try:
@@ -90,7 +90,9 @@ def test_no_guard_in_anybodys_code_swallows_it():
 
 
 def test_where_it_is_ignored_it_stays_ignored():
-    before = f"{HERE}signal.signal(signal.SIGINT, signal.SIG_IGN)\nimport asmc_pin.cli.tables as tables\n"
+    before = (
+        f"{HERE}signal.signal(signal.SIGINT, signal.SIG_IGN)\nimport asmc_pin.cli.commands.listing_commands as tables\n"
+    )
     before += "tables.arm_rows = lambda: (press(), (['a'], [['b']]))[1]"
     assert run("arms", before=before).returncode == 0
 
@@ -144,8 +146,8 @@ def pressed(source, target):
     press()
 os.replace = pressed
 from pathlib import Path
-import asmc_pin.cli.tables as tables
-from asmc_pin.files import whole_folder
+import asmc_pin.cli.commands.listing_commands as tables
+from asmc_pin.disk.files import whole_folder
 def rows():
     with whole_folder(Path("result")) as made:
         (made / "x").write_text("new")

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from asmc_pin.engine import Rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.metrics import METRICS, QUANTITIES, MetricSettings, evaluate
-from asmc_pin.rollout import Rollout
 
 DOCS = Path(__file__).resolve().parent.parent / "docs" / "metrics.md"
 L = 0.001

@@ -24,10 +24,10 @@ from asmc_pin.controllers import (
     Setpoint,
     parameters_of,
 )
+from asmc_pin.engine import Rollout, rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.monitors import STATEMENTS, gamma_at_ticks, monitor
 from asmc_pin.plant import Disturbance, Drive, Friction, PayloadChange, Plant, Sensor, Spread
-from asmc_pin.rollout import Rollout, rollout
 
 SHARED: dict[str, Any] = {"ks": 8.0, "beta": 8.0}
 OWN: dict[str, dict[str, Any]] = {

@@ -12,11 +12,11 @@ from plant_cases import Still, Waving, slider
 
 from asmc_pin.arms import Arm, load_arm
 from asmc_pin.controllers import Baek2016
+from asmc_pin.engine import Rollout, rollout
 from asmc_pin.monitors import CAUSES, STATEMENTS, Monitors, claim_rows, monitor, monitor_dataset
-from asmc_pin.monitors.claims import judge
-from asmc_pin.monitors.lyapunov import lyapunov_of
+from asmc_pin.monitors.claim_texts import judge
+from asmc_pin.monitors.lyapunov_monitor import lyapunov_of
 from asmc_pin.plant import Disturbance, Drive, Friction, Plant, Sensor
-from asmc_pin.rollout import Rollout, rollout
 
 Q0 = np.array([-1.2, 0.4])
 MBAR = [0.08, 0.03]

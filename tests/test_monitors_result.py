@@ -9,12 +9,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from asmc_pin.engine import rollout
 from asmc_pin.experiment import Experiment
 from asmc_pin.monitors import STATEMENTS, claim_rows, monitor
-from asmc_pin.report.theorem_figures import draw_theorems, theorem_figure
-from asmc_pin.report.theorems import reasons, theorem_lines, theorem_table, theorems_latex, theorems_markdown
-from asmc_pin.results import load_result
-from asmc_pin.rollout import rollout
+from asmc_pin.pages.theorem_figures import draw_theorems, theorem_figure
+from asmc_pin.pages.theorem_tables import reasons, theorem_lines, theorem_table, theorems_latex, theorems_markdown
+from asmc_pin.results.result_folder import load_result
 from asmc_pin.study import Comparison, compare
 
 EXPERIMENT: dict[str, Any] = {

@@ -14,7 +14,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from asmc_pin._typing import Array
-from asmc_pin.arms import Arm, arm_names, load_arm, mass_matrices
+from asmc_pin.arms import Arm, arm_names, load_arm
+from asmc_pin.rigid_body.mass_matrix import mass_matrices
 
 NAMES = arm_names()
 RANDOM = settings(

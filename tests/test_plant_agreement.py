@@ -10,11 +10,11 @@ import pinocchio as pin
 import pytest
 from plant_cases import OpenLoop, Still
 
-from asmc_pin.agreement.engine import Twin
+from asmc_pin.agreement.mujoco_model import Twin
 from asmc_pin.arms import load_arm
+from asmc_pin.engine import rollout
 from asmc_pin.plant import Friction, Plant
-from asmc_pin.plant.friction_kernels import slide_or_stick
-from asmc_pin.rollout import rollout
+from asmc_pin.plant.friction.compiled_friction import slide_or_stick
 
 STEP = 1e-3
 # What the solvers themselves leave, rad/s and N·m·s per kg·m²: ours puts a sticking joint at exactly 0.

@@ -7,9 +7,9 @@ import pytest
 from plant_cases import OpenLoop, Still, Waving, slider
 
 from asmc_pin.arms import arm_names, load_arm
+from asmc_pin.engine import rollout
 from asmc_pin.plant import Disturbance, Drive, EndStops, Friction, PayloadChange, Plant
 from asmc_pin.plant.energy import energy_balance, mechanical_energy
-from asmc_pin.rollout import rollout
 
 L = 1e-3
 # Of the energy that has changed hands. semi_implicit is of first order, the others lose it in the means over a period.

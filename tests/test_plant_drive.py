@@ -7,12 +7,12 @@ import pytest
 from plant_cases import OpenLoop, Still, slider
 
 from asmc_pin.arms import load_arm
-from asmc_pin.condition.stability import SampledLoop
-from asmc_pin.condition.stability.linear_map import closed_loop
 from asmc_pin.controllers import Ppc
+from asmc_pin.engine import rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.plant import Drive, Friction, Plant
-from asmc_pin.rollout import rollout
+from asmc_pin.sampled import SampledLoop
+from asmc_pin.sampled.linear_map import closed_loop
 
 MASS = 2.0
 

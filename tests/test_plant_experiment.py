@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from asmc_pin.engine import rollout
 from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment import Experiment, experiment_schema, load_experiment
-from asmc_pin.experiment.schema import FrictionTable, PlantTable
+from asmc_pin.experiment.toml_keys import FrictionTable, PlantTable
 from asmc_pin.plant import (
     INTEGRATORS,
     Disturbance,
@@ -24,7 +25,6 @@ from asmc_pin.plant import (
     Sensor,
     Spread,
 )
-from asmc_pin.rollout import rollout
 from asmc_pin.tool_error import tool_error
 
 PLANT = {

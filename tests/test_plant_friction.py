@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from asmc_pin.arms import load_arm
 from asmc_pin.errors import ParameterError
 from asmc_pin.plant import Friction
-from asmc_pin.plant.friction_kernels import slide_or_stick
+from asmc_pin.plant.friction.compiled_friction import slide_or_stick
 
 STEP = 5e-4
 

@@ -10,10 +10,10 @@ from plant_cases import OpenLoop, Still, slider
 from scipy.integrate import solve_ivp
 
 from asmc_pin.arms import load_arm
+from asmc_pin.engine import rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.plant import INTEGRATORS, Friction, Plant
-from asmc_pin.plant.presliding import slide_or_bend
-from asmc_pin.rollout import rollout
+from asmc_pin.plant.friction.presliding import slide_or_bend
 
 MASS = 2.0
 

@@ -11,8 +11,8 @@ import pytest
 from plant_cases import OpenLoop, Still, slider
 
 from asmc_pin.arms import load_arm
+from asmc_pin.engine import rollout
 from asmc_pin.plant import INTEGRATORS, ORDERS, Disturbance, EndStops, Friction, Plant
-from asmc_pin.rollout import rollout
 
 Q = np.array([[0.3, -1.0, 1.2, 0.4, 0.8, 0.2]])
 V = np.array([[0.8, -0.6, 0.9, 1.5, -1.2, 2.0]])

@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from asmc_pin.arms import load_arm
 from asmc_pin.controllers import Baek2016
+from asmc_pin.engine import rollout
 from asmc_pin.plant import Disturbance, Drive, EndStops, Friction, Plant, Sensor, Spread
-from asmc_pin.rollout import rollout
 
 Q = {"ur5": np.array([0.3, -1.0, 1.2, 0.4, 0.8, 0.2]), "two_link": np.array([-1.2, 0.4])}
 

@@ -9,9 +9,9 @@ from scipy.signal import lfilter
 
 from asmc_pin.arms import load_arm
 from asmc_pin.controllers import Ppc
+from asmc_pin.engine import rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.plant import Drive, Friction, Plant, Sensor
-from asmc_pin.rollout import rollout
 
 L = 1e-3
 MASS = 2.0

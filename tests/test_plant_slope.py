@@ -7,8 +7,8 @@ import pytest
 from plant_cases import G, OpenLoop, Still, slider
 
 from asmc_pin.arms import load_arm
+from asmc_pin.engine import rollout
 from asmc_pin.plant import Friction, Plant
-from asmc_pin.rollout import rollout
 
 MASS, SLOPE = 3.0, 0.5
 WEIGHT = MASS * G * np.sin(SLOPE)  # along the rail, downwards

@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from plant_cases import OpenLoop, Still, slider
 
 from asmc_pin.arms import load_arm
-from asmc_pin.arms.inertia import inertia_problem
-from asmc_pin.arms.kinematics import FrameKinematics
+from asmc_pin.arms.frame_kinematics import FrameKinematics
+from asmc_pin.arms.urdf.rigid_inertia import inertia_problem
+from asmc_pin.engine import rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.plant import Disturbance, EndStops, Friction, PayloadChange, Plant, Spread
-from asmc_pin.plant.spread import vary_links
-from asmc_pin.rollout import rollout
+from asmc_pin.plant.world.spread import vary_links
 
 L = 1e-3
 MASS = 2.0

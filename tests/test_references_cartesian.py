@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from asmc_pin.arms import load_arm
-from asmc_pin.arms.kinematics import FrameKinematics
+from asmc_pin.arms.frame_kinematics import FrameKinematics
 from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment import Experiment
 from asmc_pin.references import CartesianPath

@@ -12,13 +12,13 @@ from scipy.spatial.transform import Rotation
 from short_experiment import SHORT
 
 from asmc_pin.arms import load_arm
+from asmc_pin.engine import rollout
 from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
 from asmc_pin.plant import Friction, Plant
 from asmc_pin.plant.energy import mechanical_energy
-from asmc_pin.results import load_result
-from asmc_pin.rollout import rollout
+from asmc_pin.results.result_folder import load_result
 from asmc_pin.study import compare
 from asmc_pin.tool_error import tool_error
 

@@ -15,8 +15,8 @@ from viewer_cases import HOSTILE, awkward_result
 
 from asmc_pin.errors import ResultError
 from asmc_pin.metrics import METRICS
-from asmc_pin.report.html import report_html, report_text
-from asmc_pin.results import Result
+from asmc_pin.pages.comparison_page import report_html, report_text
+from asmc_pin.results.result_folder import Result
 
 
 @pytest.fixture(scope="module")
@@ -89,8 +89,8 @@ def test_its_figures_are_those_of_the_summary(result: Result, text: Text) -> Non
 
 
 def test_of_two_laws_that_ran_the_better_is_marked() -> None:
-    from asmc_pin.report.fragments import table_html
-    from asmc_pin.report.tables import Table
+    from asmc_pin.pages.html_fragments import table_html
+    from asmc_pin.pages.summary_tables import Table
 
     rows = [["one", "0.5", "2.0", "7"], ["two", "0.25", "–", "6"], ["three", "0.30", "3.0", "5"]]
     table = Table("", ["controller", "a", "b", "c"], rows, [None, "smallest", "largest", None])

@@ -9,13 +9,12 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from asmc_pin.media import for_latex
 from asmc_pin.metrics import METRICS
-from asmc_pin.report.curves import running_max, spread, thinned
-from asmc_pin.report.figures import FIGURES, draw_figures
-from asmc_pin.report.fragments import table_html
-from asmc_pin.report.latex import latex_table
-from asmc_pin.report.tables import (
+from asmc_pin.pages.comparison_figures import FIGURES, draw_figures
+from asmc_pin.pages.curves import running_max, spread, thinned
+from asmc_pin.pages.html_fragments import table_html
+from asmc_pin.pages.latex_table import latex_table
+from asmc_pin.pages.summary_tables import (
     Table,
     markdown_table,
     metric_table,
@@ -25,6 +24,7 @@ from asmc_pin.report.tables import (
     per_joint,
     short_names,
 )
+from asmc_pin.words.media import for_latex
 
 
 def summary(joints=("arm_shoulder_joint", "arm_elbow_joint"), kinds=("revolute", "revolute"), **columns):

@@ -10,20 +10,20 @@ import numpy as np
 import pytest
 
 from asmc_pin import load_experiment, rollout
+from asmc_pin.disk.resources import shipped
 from asmc_pin.errors import ExperimentError, ResultError
 from asmc_pin.metrics import METRICS, evaluate
-from asmc_pin.report.reproduction import page
-from asmc_pin.resources import shipped
-from asmc_pin.results import recorded_run, trajectories
-from asmc_pin.study.claims import CLAIMS, judge
-from asmc_pin.study.limits import break_away, limits, needed_gain
-from asmc_pin.study.measure import measure
-from asmc_pin.study.paper import NAMES, PAPER
-from asmc_pin.study.reading_search import factor, nearest, reconciled
-from asmc_pin.study.readings import AXES, Outcome, read, readings
-from asmc_pin.study.reproduce import READINGS, SETS, reading_of, reproduce
-from asmc_pin.study.tune import tune
-from asmc_pin.study.tuned import SUFFIX, untuned
+from asmc_pin.reproduction.error_bounds import break_away, limits, needed_gain
+from asmc_pin.reproduction.measured_figures import measure
+from asmc_pin.reproduction.paper_claims import CLAIMS, judge
+from asmc_pin.reproduction.printed_tables import NAMES, PAPER
+from asmc_pin.reproduction.reading_search import factor, nearest, reconciled
+from asmc_pin.reproduction.readings import AXES, Outcome, read, readings
+from asmc_pin.reproduction.reproducing import READINGS, SETS, reading_of, reproduce
+from asmc_pin.reproduction.reproduction_page import page
+from asmc_pin.reproduction.tuned_rows import SUFFIX, untuned
+from asmc_pin.results.result_folder import recorded_run, trajectories
+from asmc_pin.study.tuning import tune
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 
@@ -291,8 +291,8 @@ def test_tuning_anew_writes_into_the_users_folder_and_runs_what_lies_there(tmp_p
         plain = experiment.replace(controllers=untuned(experiment), duration=0.4)
         return tune(plain, ["Existing"], trials=2, batch=2)
 
-    monkeypatch.setattr("asmc_pin.study.reproduce.tune_rows", quickly)
-    monkeypatch.setattr("asmc_pin.study.reproduce.compare", stop)
+    monkeypatch.setattr("asmc_pin.reproduction.reproducing.tune_rows", quickly)
+    monkeypatch.setattr("asmc_pin.reproduction.reproducing.compare", stop)
     with pytest.raises(Enough):
         reproduce([name], tmp_path / "out", tune=True)
     path = tmp_path / "out" / "tuned" / f"{name}.toml"

@@ -11,13 +11,20 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from asmc_pin import results
 from asmc_pin.arms import load_arm
+from asmc_pin.engine import rollout
 from asmc_pin.errors import ResultError
 from asmc_pin.experiment import Experiment
-from asmc_pin.report.html import report_html
-from asmc_pin.results import VARIABLES, check_target, load_result, trajectories, whole_or_not_at_all, write_trajectories
-from asmc_pin.rollout import rollout
+from asmc_pin.pages.comparison_page import report_html
+from asmc_pin.results import result_folder
+from asmc_pin.results.result_folder import (
+    VARIABLES,
+    check_target,
+    load_result,
+    trajectories,
+    whole_or_not_at_all,
+    write_trajectories,
+)
 from asmc_pin.study import compare
 
 SLIDER = """
@@ -56,8 +63,8 @@ def runs_of(experiment, batch=1):
 
 def plain(monkeypatch):
     """Without figures and report, which take most of the time and are not what is looked at."""
-    monkeypatch.setattr(sys.modules["asmc_pin.study.compare"], "draw_figures", lambda *_: [])
-    monkeypatch.setattr("asmc_pin.report.html.report_html", lambda *_: None)
+    monkeypatch.setattr(sys.modules["asmc_pin.study.comparing"], "draw_figures", lambda *_: [])
+    monkeypatch.setattr("asmc_pin.pages.comparison_page.report_html", lambda *_: None)
 
 
 @pytest.fixture(scope="module")
@@ -185,7 +192,7 @@ def test_what_is_no_result_says_what_is_missing(tmp_path):
 
 def old_result(path):
     path.mkdir()
-    for name in (results.EXPERIMENT, results.PROVENANCE):
+    for name in (result_folder.EXPERIMENT, result_folder.PROVENANCE):
         (path / name).write_text("old")
 
 
@@ -219,7 +226,7 @@ def test_an_old_result_comes_back_when_the_move_itself_is_interrupted(tmp_path, 
 
     with pytest.raises(KeyboardInterrupt):
         write()
-    assert (out / results.PROVENANCE).read_text() == "old"
+    assert (out / result_folder.PROVENANCE).read_text() == "old"
     assert not (out / "x").exists()
     assert [path.name for path in tmp_path.iterdir()] == ["result"]
 
@@ -234,7 +241,7 @@ def test_a_result_that_appeared_meanwhile_is_not_overwritten(tmp_path):
 
     with pytest.raises(ResultError, match="--force"):
         write_while_another_run_is_quicker()
-    assert (out / results.PROVENANCE).read_text() == "old"
+    assert (out / result_folder.PROVENANCE).read_text() == "old"
     assert [path.name for path in tmp_path.iterdir()] == ["result"]
 
 

@@ -13,9 +13,9 @@ from plant_cases import Accelerating, OpenLoop, Still, Waving, slider
 
 from asmc_pin.arms import load_arm
 from asmc_pin.controllers import Baek2016, Ppc, Sample, sliding_variable
+from asmc_pin.engine import rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.plant import Friction, Plant
-from asmc_pin.rollout import rollout
 
 Q0 = np.array([0.3, -1.0, 1.2, 0.4, 0.8, 0.2])
 MBAR = [0.148, 0.167, 0.150, 0.081, 0.093, 0.017]
@@ -360,7 +360,7 @@ def test_a_law_cannot_reach_into_the_plant_through_what_it_is_given(tmp_path):
 
 
 def test_the_package_s_rollout_is_the_function_whoever_imports_the_module_first():
-    code = "import asmc_pin; from asmc_pin.rollout import Rollout; print(asmc_pin.rollout)"
+    code = "import asmc_pin; from asmc_pin.engine import Rollout; print(asmc_pin.engine)"
     shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert shown.startswith("<function rollout")
 

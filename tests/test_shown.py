@@ -12,7 +12,7 @@ from short_experiment import SHORT
 
 import asmc_pin
 from asmc_pin.cli import main
-from asmc_pin.shown import UNDEFINED, Shown, aligned, figure, sparkline
+from asmc_pin.words.shown import UNDEFINED, Shown, aligned, figure, sparkline
 
 SMALL = [0.05, 0.01]
 

@@ -15,15 +15,15 @@ from certificate_cases import Question, blocks, largest_proven, norms, proven_in
 from condition_cases import chain
 
 from asmc_pin._typing import Array
-from asmc_pin.arms.tree import Tree
 from asmc_pin.condition import CONDITIONS, search_worst
 from asmc_pin.condition.certificate import certify
-from asmc_pin.condition.certificate.problem import Kind, canonical
-from asmc_pin.condition.check import check
-from asmc_pin.condition.check.box_bounds import holds
-from asmc_pin.condition.check.contents import Statement
-from asmc_pin.condition.check.links import Chain
-from asmc_pin.condition.check.quadratic_form import form_of
+from asmc_pin.condition.certificate.statement_forms import Kind, canonical
+from asmc_pin.condition.checker import check
+from asmc_pin.condition.checker.boxes.box_bounds import holds
+from asmc_pin.condition.checker.boxes.quadratic_form import form_of
+from asmc_pin.condition.checker.reading.certificate_schema import Statement
+from asmc_pin.condition.checker.reading.link_chain import Chain
+from asmc_pin.rigid_body.tree import Tree
 
 KINDS: tuple[Kind, ...] = ("weighted", "bounded", "lemma1", "level")
 FEW, MANY = 12, 900

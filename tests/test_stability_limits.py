@@ -11,15 +11,15 @@ import pytest
 
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm, load_arm
-from asmc_pin.condition.stability import SampledLoop, closed_loop, spectral_radius, stability
-from asmc_pin.condition.stability.workspace import workspace_of
 from asmc_pin.errors import ArmError, ParameterError
-from asmc_pin.report.stability_figures import (
+from asmc_pin.pages.stability_figures import (
     gain_region_figure,
     period_region_figure,
     save_figures,
     workspace_figure,
 )
+from asmc_pin.sampled import SampledLoop, closed_loop, spectral_radius, stability
+from asmc_pin.sampled.workspace_worst import workspace_of
 
 UR5_MBAR = 0.5 * np.array([0.1483264, 0.1674553, 0.1504278, 0.0810652, 0.0933441, 0.0171369])
 JOINT = """<robot name="turntable"><link name="base"/><link name="table"><inertial>

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from asmc_pin._typing import Array
-from asmc_pin.choices import Acceleration
-from asmc_pin.condition.stability import SampledLoop, closed_loop, inertia_ratios, modal_radius, spectral_radius
 from asmc_pin.controllers import CONTROLLERS, Sample, Setpoint, TdeLaw, parameters_of
 from asmc_pin.errors import NotPositiveDefinite, ParameterError
+from asmc_pin.sampled import SampledLoop, closed_loop, inertia_ratios, modal_radius, spectral_radius
+from asmc_pin.words.choices import Acceleration
 
 MASS = np.array([[0.7, 0.2, 0.05], [0.2, 0.3, 0.04], [0.05, 0.04, 0.09]])
 MBAR = np.array([0.15, 0.1, 0.04])

@@ -10,10 +10,13 @@ import pytest
 
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm, load_arm
-from asmc_pin.condition.gains import suggest_gains
-from asmc_pin.condition.gains_check import gain_warnings
-from asmc_pin.condition.lemma1 import lemma1_norm
-from asmc_pin.condition.stability import (
+from asmc_pin.condition.norm.two_conditions import lemma1_norm
+from asmc_pin.controllers import CONTROLLERS
+from asmc_pin.engine import Rollout, rollout
+from asmc_pin.errors import ParameterError
+from asmc_pin.plant import Drive, Friction, Plant
+from asmc_pin.references import Multisine
+from asmc_pin.sampled import (
     SampledLoop,
     closed_loop,
     drift_error,
@@ -22,12 +25,9 @@ from asmc_pin.condition.stability import (
     stability,
     step_response,
 )
-from asmc_pin.condition.stability.workspace import workspace_of
-from asmc_pin.controllers import CONTROLLERS
-from asmc_pin.errors import ParameterError
-from asmc_pin.plant import Drive, Friction, Plant
-from asmc_pin.references import Multisine
-from asmc_pin.rollout import Rollout, rollout
+from asmc_pin.sampled.gain_warnings import gain_warnings
+from asmc_pin.sampled.gains import suggest_gains
+from asmc_pin.sampled.workspace_worst import workspace_of
 
 MASS = np.array([[0.7, 0.2, 0.05], [0.2, 0.3, 0.04], [0.05, 0.04, 0.09]])
 MBAR = np.array([0.15, 0.1, 0.04])

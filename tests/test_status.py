@@ -15,7 +15,7 @@ import pytest
 from processes import command, environment, run
 
 from asmc_pin.clock import Clock, tell_of_compiling
-from asmc_pin.media import ascii_signs
+from asmc_pin.words.media import ascii_signs
 
 VIOLATED = ("verify", "two_link", "--mbar", "10", "--samples", "64")
 HOLDS = ("verify", "two_link", "--mbar", "0.01", "--samples", "64")
@@ -25,7 +25,7 @@ HOLDS = ("verify", "two_link", "--mbar", "0.01", "--samples", "64")
 
 IN_THE_WAY = """
 import atexit, os, sys, threading
-import asmc_pin.cli.tables as tables
+import asmc_pin.cli.commands.listing_commands as tables
 def rows():
     {}
     return ["a"], [["b"]]

@@ -11,7 +11,7 @@ from short_experiment import SHORT
 
 from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment import load_experiment
-from asmc_pin.results import load_result
+from asmc_pin.results.result_folder import load_result
 
 TRAP = """
 from pathlib import Path
@@ -139,7 +139,7 @@ MESHES = ["file:///etc/passwd", "../../../../../../../etc/passwd", "package://et
 
 @pytest.mark.parametrize("name", MESHES)
 def test_only_what_is_named_like_a_mesh_is_opened_as_one(name: str, tmp_path: Path, monkeypatch) -> None:
-    from asmc_pin.viewer import meshes
+    from asmc_pin.viewer.drawing import meshes
 
     opened: list[Path] = []
     monkeypatch.setattr(meshes, "load_mesh", lambda path: opened.append(path))
@@ -149,7 +149,7 @@ def test_only_what_is_named_like_a_mesh_is_opened_as_one(name: str, tmp_path: Pa
 
 
 def test_a_mesh_that_is_a_pipe_or_a_device_is_not_read(tmp_path: Path) -> None:
-    from asmc_pin.viewer.meshes import load_mesh, resolve
+    from asmc_pin.viewer.drawing.meshes import load_mesh, resolve
 
     os.mkfifo(tmp_path / "pipe.stl")
     (tmp_path / "zero.stl").symlink_to("/dev/zero")

@@ -14,9 +14,9 @@ from asmc_pin.errors import ExperimentError, ParameterError, ResultError
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
 from asmc_pin.study.law_study import own_parameters
-from asmc_pin.study.objective import Objective
-from asmc_pin.study.stack import Stacked
-from asmc_pin.study.tune import tune
+from asmc_pin.study.stacked_settings import Stacked
+from asmc_pin.study.tuning import tune
+from asmc_pin.study.tuning_objective import Objective
 
 
 def experiment(**changes) -> Experiment:

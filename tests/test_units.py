@@ -16,13 +16,13 @@ from asmc_pin.arms import Arm
 from asmc_pin.cli import main
 from asmc_pin.condition import Recording, design, read_recording
 from asmc_pin.condition.certificate import certify
-from asmc_pin.condition.gains import suggest_gains
-from asmc_pin.condition.stability import stability
 from asmc_pin.controllers import Ppc
 from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment import Experiment
 from asmc_pin.plant import Drive, Plant, Sensor
 from asmc_pin.references import Quintic
+from asmc_pin.sampled import stability
+from asmc_pin.sampled.gains import suggest_gains
 
 Run = Callable[..., tuple[int, str, str]]
 LOOP = ["stability", "ur5", "--mbar", "0.01", "--ks", "10", "--beta", "10"]

@@ -9,7 +9,7 @@ import pytest
 from asmc_pin import load_arm
 from asmc_pin.cli import main
 from asmc_pin.condition.certificate import certify
-from asmc_pin.condition.check import check
+from asmc_pin.condition.checker import check
 from asmc_pin.condition.hypotheses import Condition
 
 CASES = Path(__file__).parent / "cases" / "urdf"

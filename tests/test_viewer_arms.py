@@ -11,10 +11,10 @@ from viewer_cases import BENT, bent_arm
 
 from asmc_pin.arms import arm_names, load_arm
 from asmc_pin.viewer import draw
-from asmc_pin.viewer.bodies import assemble, attachments, body_poses, joint_frames
-from asmc_pin.viewer.simplify import simplify
-from asmc_pin.viewer.surface import Surface, join
-from asmc_pin.viewer.visuals import read_visuals
+from asmc_pin.viewer.drawing.drawn_bodies import assemble, attachments, body_poses, joint_frames
+from asmc_pin.viewer.drawing.mesh_simplify import simplify
+from asmc_pin.viewer.drawing.surface import Surface, join
+from asmc_pin.viewer.drawing.visuals import read_visuals
 
 
 def visual(geometry: str, rest: str = "") -> str:

@@ -19,7 +19,7 @@ from viewer_cases import HOSTILE, awkward_result, swing
 
 from asmc_pin.arms import load_arm
 from asmc_pin.errors import ParameterError, ResultError
-from asmc_pin.results import Result, load_result
+from asmc_pin.results.result_folder import Result, load_result
 from asmc_pin.viewer import Motion, describe, draw, replay_element, replay_html, replay_page, write_replay
 
 
@@ -78,7 +78,7 @@ def test_the_page_names_no_address_outside_itself(result: Result) -> None:
 
 def test_the_same_result_gives_the_same_bytes_in_another_process(result: Result) -> None:
     script = (
-        "import sys; from asmc_pin.results import load_result; from asmc_pin.viewer import replay_html; "
+        "import sys; from asmc_pin.results.result_folder import load_result; from asmc_pin.viewer import replay_html; "
         "sys.stdout.buffer.write(replay_html(load_result(sys.argv[1])).encode())"
     )
     seed = "1" if os.environ.get("PYTHONHASHSEED") != "1" else "2"

@@ -14,7 +14,7 @@ import numpy as np
 from asmc_pin import compare
 from asmc_pin.arms import load_arm
 from asmc_pin.experiment import Experiment
-from asmc_pin.results import Result, load_result
+from asmc_pin.results.result_folder import Result, load_result
 from asmc_pin.viewer import Motion, describe, draw
 
 HOSTILE = '</script><script>alert(1)</script> & "Proposed"'

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from asmc_pin.arms import ARMS, Arm, arm_names, load_arm
-from asmc_pin.files import write_whole
+from asmc_pin.disk.files import write_whole
 from asmc_pin.viewer import Motion, describe, draw, replay_element, replay_page
 
 # Where an arm is good to look at; the middle of the joint box for the others.

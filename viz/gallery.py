@@ -16,7 +16,7 @@ import every_arm
 import shipped_experiments
 import under_a_ceiling
 
-from asmc_pin.files import write_whole
+from asmc_pin.disk.files import write_whole
 
 INDEX = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from asmc_pin import compare, load_experiment
 from asmc_pin.experiment import experiment_names
-from asmc_pin.results import load_result
+from asmc_pin.results.result_folder import load_result
 from asmc_pin.viewer import write_replay
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from every_arm import wave
 
 from asmc_pin.arms import load_arm
-from asmc_pin.files import write_whole
+from asmc_pin.disk.files import write_whole
 from asmc_pin.viewer import Motion, describe, draw, replay_element, replay_page
 
 

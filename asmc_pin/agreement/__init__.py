@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from asmc_pin.agreement.compare import agree
-from asmc_pin.agreement.report import AgreementReport
+from asmc_pin.agreement.against_mujoco import agree
+from asmc_pin.agreement.agreement_report import AgreementReport
 
 __all__ = ["AgreementReport", "agree"]

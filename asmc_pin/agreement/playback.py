@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.controllers.base import Sample, Setpoint
+from asmc_pin.controllers.protocol import Sample, Setpoint
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,21 +6,43 @@ import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import pinocchio as pin
 
 from asmc_pin._typing import Array, BoolArray
-from asmc_pin.arms.batch import joint_rows
-from asmc_pin.arms.options import UNCHANGED, Armature, Gravity, Load, Lock, Unchanged, Variant
+from asmc_pin.arms.arm_options import UNCHANGED, Armature, Gravity, Load, Lock, Unchanged, Variant
 from asmc_pin.arms.payload import Payload
-from asmc_pin.arms.reading import Robot
 from asmc_pin.arms.registry import ArmEntry
-from asmc_pin.arms.tree import Tree
+from asmc_pin.arms.urdf.urdf_reading import Robot
 from asmc_pin.errors import ArmError
-from asmc_pin.shown import Cells, Shown
-from asmc_pin.text import printable, quoted
+from asmc_pin.rigid_body.leading_axes import joint_rows
+from asmc_pin.rigid_body.tree import Tree
+from asmc_pin.words.shown import Cells, Shown
+from asmc_pin.words.text import printable, quoted
+
+
+class Recipe(Protocol):
+    """What an arm is made of, and how it is made again."""
+
+    @property
+    def robot(self) -> Robot:
+        """The checked URDF."""
+
+    @property
+    def entry(self) -> ArmEntry | None:
+        """The registry's entry, where the arm was asked for by name."""
+
+    @property
+    def variant(self) -> Variant:
+        """The options."""
+
+    def assemble(self) -> Arm:
+        """The arm."""
+
+    def vary(self, arm: Arm, changes: Mapping[str, Any]) -> Arm:
+        """The arm with some options replaced, see `Arm.replace`."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,7 +75,7 @@ class Arm(Shown):
         package_dirs: Folders in which ``package://`` paths of its meshes may be found.
         model: Pinocchio's model, nq == nv. Treat it as read-only.
         tree: The same in plain arrays, for compiled kernels.
-        made_of: The checked URDF, the registry's entry and the options.
+        made_of: What it is made of: the checked URDF, the registry's entry and the options.
     """
 
     name: str
@@ -78,7 +100,7 @@ class Arm(Shown):
     package_dirs: tuple[Path, ...]
     model: pin.Model
     tree: Tree
-    made_of: tuple[Robot, ArmEntry | None, Variant]
+    made_of: Recipe
     _local: threading.local = field(default_factory=threading.local)
 
     def __repr__(self) -> str:
@@ -110,9 +132,7 @@ class Arm(Shown):
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Pinocchio's scratch memory does not travel between processes; the arm is made anew where it arrives.
-        from asmc_pin.arms.load import assemble
-
-        return assemble, self.made_of
+        return self.made_of.assemble, ()
 
     @property
     def nv(self) -> int:
@@ -246,10 +266,10 @@ class Arm(Shown):
             ArmError: The options leave no arm.
             ParameterError: An option at fault.
         """
-        from asmc_pin.arms.load import vary
-
         options = {"payload": payload, "armature": armature, "lock": lock, "gravity": gravity}
-        return vary(self, {name: value for name, value in options.items() if not isinstance(value, Unchanged)})
+        return self.made_of.vary(
+            self, {name: value for name, value in options.items() if not isinstance(value, Unchanged)}
+        )
 
     def _batched(self, function: Callable[..., Any], shape: tuple[int, ...], **arguments: Array) -> Array:
         """Apply a Pinocchio function over the leading axes of its arguments, which broadcast."""

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.arms.inertia import inertia_problem
-from asmc_pin.arms.magnitudes import LENGTH
+from asmc_pin.arms.urdf.magnitudes import LENGTH
+from asmc_pin.arms.urdf.rigid_inertia import inertia_problem
 from asmc_pin.errors import ParameterError
 
 _FIELDS = ("mass", "com", "inertia", "link")

@@ -11,10 +11,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from asmc_pin.disk.reading import user_path
+from asmc_pin.disk.resources import shipped
 from asmc_pin.errors import ArmError
-from asmc_pin.reading import user_path
-from asmc_pin.resources import shipped
-from asmc_pin.text import printable
+from asmc_pin.words.text import printable
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ They are the only laws that may see an arm; `asmc_pin.controllers` may not.
 
 from __future__ import annotations
 
-from asmc_pin.baselines.base import ModelLaw
 from asmc_pin.baselines.computed_torque import ComputedTorque
+from asmc_pin.baselines.model_law import ModelLaw
 from asmc_pin.baselines.pd_gravity import PdGravity
 from asmc_pin.controllers import LawInfo, describe_parameter, parameters_of
 

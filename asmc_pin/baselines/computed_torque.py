@@ -8,10 +8,10 @@ from typing import ClassVar
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.baselines.base import ModelLaw
-from asmc_pin.controllers.base import Sample, Setpoint
-from asmc_pin.controllers.parameters import PerJoint, Scalar
+from asmc_pin.baselines.model_law import ModelLaw
+from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.controllers.tde import sliding_variable
+from asmc_pin.parameters import PerJoint, Scalar
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

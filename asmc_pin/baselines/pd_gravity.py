@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from asmc_pin._typing import Array
-from asmc_pin.baselines.base import ModelLaw
-from asmc_pin.controllers.base import Sample, Setpoint
-from asmc_pin.controllers.parameters import PerJoint
+from asmc_pin.baselines.model_law import ModelLaw
+from asmc_pin.controllers.protocol import Sample, Setpoint
+from asmc_pin.parameters import PerJoint
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -1,16 +1,13 @@
-"""The application object, and running it."""
+"""The application object, on which every command registers itself."""
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Sequence
 from importlib.metadata import version
 from typing import Annotated
 
 import typer
 
-from asmc_pin.cli.console import note, say
-from asmc_pin.cli.interrupt import INTERRUPTED
+from asmc_pin.cli.console import say
 
 app = typer.Typer(
     name="asmc-pin",
@@ -34,22 +31,3 @@ def _root(
     ] = False,
 ) -> None:
     pass
-
-
-def run(argv: Sequence[str] | None) -> int:
-    """Run a command.
-
-    Args:
-        argv: Arguments without the program's name; the process's own when None.
-
-    Returns:
-        Its exit status; errors are raised.
-    """
-    # Commands register themselves on import.
-    from asmc_pin.cli import condition, design, proof, study, tables  # noqa: F401
-
-    warnings.showwarning = lambda message, *_args, **_kwargs: note(f"warning: {message}")
-    status = app(args=None if argv is None else list(argv), standalone_mode=False)
-    if status == INTERRUPTED:  # typer makes of KeyboardInterrupt a status
-        raise KeyboardInterrupt
-    return status if isinstance(status, int) else 0

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from asmc_pin.text import printable, visible
+from asmc_pin.words.text import printable, visible
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -22,7 +22,7 @@ def main(argv: Sequence[str] | None = None) -> None:
         with output.guarded(keep=own), fault.caught(keep=own):
             try:
                 # A command imports what is heavy itself: --help and the answer to a typing error are quick.
-                from asmc_pin.cli.app import run
+                from asmc_pin.cli.dispatch import run
 
                 status = run(argv)
                 sys.stdout.flush()

@@ -16,7 +16,7 @@ from asmc_pin.cli import interrupt
 from asmc_pin.cli.console import note
 from asmc_pin.cli.interrupt import INTERRUPTED, MESSAGE
 from asmc_pin.errors import AsmcPinError
-from asmc_pin.text import printable
+from asmc_pin.words.text import printable
 
 BAD_INPUT, FAULT = 2, 4
 

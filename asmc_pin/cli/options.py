@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from asmc_pin.choices import Condition
 from asmc_pin.cli.console import announce_compiling, note
 from asmc_pin.errors import ParameterError
-from asmc_pin.text import as_number
+from asmc_pin.words.choices import Condition
+from asmc_pin.words.text import as_number
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm

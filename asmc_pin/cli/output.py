@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from typing import Any, TextIO
 
 from asmc_pin.errors import ResultError
-from asmc_pin.media import ascii_signs
+from asmc_pin.words.media import ascii_signs
 
 _ERRORS = "asmc-pin.signs"
 

@@ -1,16 +1,54 @@
-"""The condition on M̄: evaluated, searched, designed for."""
+"""The condition on M̄: evaluated (`norm`), searched (`search`), designed for (`best_mbar`), proven (`certificate`).
+
+In come an arm and M̄, out go verdicts with their hypotheses. What is proven is replayed by `checker`, which shares
+nothing with the prover but the reader of its file. May import `arms` and `references`.
+"""
 
 from __future__ import annotations
 
-from asmc_pin.condition.certified import certified
-from asmc_pin.condition.design import design
-from asmc_pin.condition.design_report import DesignReport
-from asmc_pin.condition.heatmap import Heatmap, heatmap
-from asmc_pin.condition.lemma1 import CONDITIONS, Condition, lemma1_norm, weighted_norm
-from asmc_pin.condition.recorded import Recording, read_recording, tde_error
-from asmc_pin.condition.report import ConditionReport
-from asmc_pin.condition.search import scale_refuted, search_worst
-from asmc_pin.condition.verify import verify
+from typing import TYPE_CHECKING
+
+from asmc_pin.lazy import load_on_first_use
+
+if TYPE_CHECKING:
+    from asmc_pin.condition.best_mbar.design_report import DesignReport as DesignReport
+    from asmc_pin.condition.best_mbar.designing import design as design
+    from asmc_pin.condition.certificate.search_and_proof import certified as certified
+    from asmc_pin.condition.condition_report import ConditionReport as ConditionReport
+    from asmc_pin.condition.domain.recorded_motion import Recording as Recording
+    from asmc_pin.condition.domain.recorded_motion import read_recording as read_recording
+    from asmc_pin.condition.domain.recorded_motion import tde_error as tde_error
+    from asmc_pin.condition.norm.two_conditions import CONDITIONS as CONDITIONS
+    from asmc_pin.condition.norm.two_conditions import Condition as Condition
+    from asmc_pin.condition.norm.two_conditions import lemma1_norm as lemma1_norm
+    from asmc_pin.condition.norm.two_conditions import weighted_norm as weighted_norm
+    from asmc_pin.condition.search.norm_maps import Heatmap as Heatmap
+    from asmc_pin.condition.search.norm_maps import heatmap as heatmap
+    from asmc_pin.condition.search.worst_case import scale_refuted as scale_refuted
+    from asmc_pin.condition.search.worst_case import search_worst as search_worst
+    from asmc_pin.condition.verifying import verify as verify
+
+__getattr__, __dir__ = load_on_first_use(
+    __name__,
+    {
+        "CONDITIONS": "norm.two_conditions",
+        "Condition": "norm.two_conditions",
+        "ConditionReport": "condition_report",
+        "DesignReport": "best_mbar.design_report",
+        "Heatmap": "search.norm_maps",
+        "Recording": "domain.recorded_motion",
+        "certified": "certificate.search_and_proof",
+        "design": "best_mbar.designing",
+        "heatmap": "search.norm_maps",
+        "lemma1_norm": "norm.two_conditions",
+        "read_recording": "domain.recorded_motion",
+        "scale_refuted": "search.worst_case",
+        "search_worst": "search.worst_case",
+        "tde_error": "domain.recorded_motion",
+        "verify": "verifying",
+        "weighted_norm": "norm.two_conditions",
+    },
+)
 
 __all__ = [
     "CONDITIONS",

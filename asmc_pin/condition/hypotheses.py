@@ -11,8 +11,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
-from asmc_pin.choices import Condition as Condition
-from asmc_pin.text import exact, printable, quoted
+from asmc_pin.words.choices import Condition as Condition
+from asmc_pin.words.text import exact, printable, quoted
 
 Interval: TypeAlias = tuple[float, float]
 

@@ -20,8 +20,8 @@ from asmc_pin.condition.hypotheses import (
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
     from asmc_pin.arms.payload import Payload
-    from asmc_pin.condition.box import Box
-    from asmc_pin.condition.variants import Case
+    from asmc_pin.condition.domain.arm_ranges import Case
+    from asmc_pin.condition.domain.joint_box import Box
 
 
 def premises_of(

@@ -8,9 +8,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from asmc_pin.controllers.baek2016 import Baek2016
-from asmc_pin.controllers.base import Controller, Sample, Setpoint
 from asmc_pin.controllers.bsmc import Bsmc
-from asmc_pin.controllers.parameters import (
+from asmc_pin.controllers.plestan2010 import Plestan2010
+from asmc_pin.controllers.ppc import Ppc
+from asmc_pin.controllers.protocol import Controller, Sample, Setpoint
+from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, TdeState, signed, sliding_variable
+from asmc_pin.parameters import (
     REQUIRED,
     Choice,
     OptionalScalar,
@@ -19,9 +22,6 @@ from asmc_pin.controllers.parameters import (
     Scalar,
     parameters_of,
 )
-from asmc_pin.controllers.plestan2010 import Plestan2010
-from asmc_pin.controllers.ppc import Ppc
-from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, TdeState, signed, sliding_variable
 
 __all__ = [
     "CONTROLLERS",

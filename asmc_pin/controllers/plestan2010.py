@@ -8,9 +8,9 @@ from typing import ClassVar
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.controllers.base import Sample, Setpoint
-from asmc_pin.controllers.parameters import Scalar
+from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, signed
+from asmc_pin.parameters import Scalar
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.controllers.base import Sample, Setpoint
+from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.controllers.tde import TdeLaw, TdeState
 
 

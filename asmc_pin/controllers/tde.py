@@ -18,9 +18,9 @@ from typing import Any, ClassVar, NamedTuple, Self
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.controllers.base import Sample, Setpoint
-from asmc_pin.controllers.parameters import Choice, OptionalScalar, PerJoint, Scalar, match_joints
+from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.errors import ParameterError
+from asmc_pin.parameters import Choice, OptionalScalar, PerJoint, Scalar, match_joints
 
 
 def sliding_variable(ks: Array | float, sample: Sample, setpoint: Setpoint) -> Array:

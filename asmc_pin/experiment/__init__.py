@@ -7,22 +7,22 @@ from typing import TYPE_CHECKING
 from asmc_pin.lazy import load_on_first_use
 
 if TYPE_CHECKING:
-    from asmc_pin.experiment.files import experiment_names as experiment_names
-    from asmc_pin.experiment.files import load_experiment as load_experiment
-    from asmc_pin.experiment.jsonschema import experiment_schema as experiment_schema
-    from asmc_pin.experiment.jsonschema import experiment_schema_text as experiment_schema_text
-    from asmc_pin.experiment.laws import load_law as load_law
-    from asmc_pin.experiment.model import Experiment as Experiment
+    from asmc_pin.experiment.experiment import Experiment as Experiment
+    from asmc_pin.experiment.finding import experiment_names as experiment_names
+    from asmc_pin.experiment.finding import load_experiment as load_experiment
+    from asmc_pin.experiment.json_schema import experiment_schema as experiment_schema
+    from asmc_pin.experiment.json_schema import experiment_schema_text as experiment_schema_text
+    from asmc_pin.experiment.law_lookup import load_law as load_law
 
-load_on_first_use(
+__getattr__, __dir__ = load_on_first_use(
     __name__,
     {
-        "Experiment": "model",
-        "experiment_names": "files",
-        "experiment_schema": "jsonschema",
-        "experiment_schema_text": "jsonschema",
-        "load_experiment": "files",
-        "load_law": "laws",
+        "Experiment": "experiment",
+        "experiment_names": "finding",
+        "experiment_schema": "json_schema",
+        "experiment_schema_text": "json_schema",
+        "load_experiment": "finding",
+        "load_law": "law_lookup",
     },
 )
 

@@ -9,7 +9,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
-from asmc_pin.controllers.parameters import (
+from asmc_pin.errors import ParameterError
+from asmc_pin.parameters import (
     REQUIRED,
     Choice,
     OptionalScalar,
@@ -19,7 +20,6 @@ from asmc_pin.controllers.parameters import (
     Values,
     parameters_of,
 )
-from asmc_pin.errors import ParameterError
 
 _NUMBER = {"type": "number"}
 _LIST = {"type": "array", "items": _NUMBER, "minItems": 1}

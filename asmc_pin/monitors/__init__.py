@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from asmc_pin.monitors.claims import CAUSES, STATEMENTS, Claim, Statement
-from asmc_pin.monitors.record import Monitors, monitor
-from asmc_pin.monitors.signals import gamma_at_ticks
-from asmc_pin.monitors.table import claim_rows, monitor_dataset
+from asmc_pin.monitors.claim_texts import CAUSES, STATEMENTS, Claim, Statement
+from asmc_pin.monitors.law_signals import gamma_at_ticks
+from asmc_pin.monitors.monitor_record import Monitors, monitor
+from asmc_pin.monitors.monitor_tables import claim_rows, monitor_dataset
 
 __all__ = [
     "CAUSES",

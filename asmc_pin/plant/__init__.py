@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from asmc_pin.plant.disturbance import Disturbance, PayloadChange
-from asmc_pin.plant.drive import Drive
-from asmc_pin.plant.end_stops import EndStops
-from asmc_pin.plant.friction import Friction
+from asmc_pin.plant.drive.drive_parameters import Drive
+from asmc_pin.plant.friction.friction_parameters import Friction
 from asmc_pin.plant.integrators import INTEGRATORS, ORDERS
-from asmc_pin.plant.motion import Motion
 from asmc_pin.plant.plant import Plant
-from asmc_pin.plant.sensor import Sensor
-from asmc_pin.plant.spread import Spread
+from asmc_pin.plant.plant_state import Motion
+from asmc_pin.plant.sensor.sensor_parameters import Sensor
+from asmc_pin.plant.world.end_stops import EndStops
+from asmc_pin.plant.world.spread import Spread
+from asmc_pin.plant.world.world_parameters import Disturbance, PayloadChange
 
 __all__ = [
     "INTEGRATORS",

@@ -9,10 +9,10 @@ import pinocchio as pin
 
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
-from asmc_pin.arms.kernels import mass_matrices
-from asmc_pin.plant.end_stops import StopForces
 from asmc_pin.plant.plant import Plant
-from asmc_pin.plant.record import Rollout
+from asmc_pin.plant.run_record import Rollout
+from asmc_pin.plant.world.end_stops import StopForces
+from asmc_pin.rigid_body.mass_matrix import mass_matrices
 
 
 def mechanical_energy(arm: Arm, q: Array, v: Array) -> Array:

@@ -6,12 +6,12 @@ import numpy as np
 
 from asmc_pin._typing import Array, BoolArray
 from asmc_pin.errors import ParameterError
-from asmc_pin.plant.dynamics import FreeDynamics
-from asmc_pin.plant.end_stops import StopForces
-from asmc_pin.plant.friction import Friction
-from asmc_pin.plant.friction_kernels import slide_or_stick, stribeck_levels
-from asmc_pin.plant.loads import Loads
-from asmc_pin.plant.presliding import slide_or_bend
+from asmc_pin.plant.free_dynamics import FreeDynamics
+from asmc_pin.plant.friction.compiled_friction import slide_or_stick, stribeck_levels
+from asmc_pin.plant.friction.friction_parameters import Friction
+from asmc_pin.plant.friction.presliding import slide_or_bend
+from asmc_pin.plant.world.end_stops import StopForces
+from asmc_pin.plant.world.loads_state import Loads
 
 
 class JointFriction:

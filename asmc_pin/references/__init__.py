@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from asmc_pin.references.base import Reference
 from asmc_pin.references.cartesian import CartesianPath, SolvedPath
-from asmc_pin.references.check import check_reference, required_torque
 from asmc_pin.references.csv_path import CsvPath
+from asmc_pin.references.feasibility import check_reference, required_torque
 from asmc_pin.references.moves import Quintic, Ramps
 from asmc_pin.references.periodic import Fourier, Multisine
+from asmc_pin.references.reference import Reference
 
 __all__ = [
     "REFERENCES",

@@ -13,11 +13,11 @@ from scipy.spatial.transform import Rotation
 
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
-from asmc_pin.arms.kinematics import FrameKinematics
-from asmc_pin.controllers.base import Setpoint
-from asmc_pin.controllers.parameters import Choice, Scalar, Values
+from asmc_pin.arms.frame_kinematics import FrameKinematics
+from asmc_pin.controllers.protocol import Setpoint
 from asmc_pin.errors import ParameterError
-from asmc_pin.references.base import as_times, held_outside, quintic_blend
+from asmc_pin.parameters import Choice, Scalar, Values
+from asmc_pin.references.reference import as_times, held_outside, quintic_blend
 
 _KNOT = 0.004  # s, at most, between configurations that are solved for; a quintic spline joins them
 _SOLVED = 1e-11  # m and rad

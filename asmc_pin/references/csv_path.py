@@ -16,12 +16,12 @@ import numpy as np
 from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 
 from asmc_pin._typing import Array
-from asmc_pin.controllers.base import Setpoint
-from asmc_pin.controllers.parameters import Choice
+from asmc_pin.controllers.protocol import Setpoint
+from asmc_pin.disk.reading import read_file, shown
 from asmc_pin.errors import ParameterError
-from asmc_pin.reading import read_file, shown
-from asmc_pin.references.base import as_times, held_outside
-from asmc_pin.text import as_number, printable
+from asmc_pin.parameters import Choice
+from asmc_pin.references.reference import as_times, held_outside
+from asmc_pin.words.text import as_number, printable
 
 LARGEST = 100_000_000
 """Bytes of a path's CSV file at most."""

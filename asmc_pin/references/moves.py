@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.controllers.base import Setpoint
-from asmc_pin.controllers.parameters import Values
+from asmc_pin.controllers.protocol import Setpoint
 from asmc_pin.errors import ParameterError
-from asmc_pin.references.base import as_times, cosine_blend, quintic_blend
+from asmc_pin.parameters import Values
+from asmc_pin.references.reference import as_times, cosine_blend, quintic_blend
 
 Blend = Callable[[Array], tuple[Array, Array, Array]]
 

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.controllers.base import Setpoint
-from asmc_pin.controllers.parameters import Scalar, Values
+from asmc_pin.controllers.protocol import Setpoint
 from asmc_pin.errors import ParameterError
-from asmc_pin.references.base import as_times, held_outside, quintic_blend
+from asmc_pin.parameters import Scalar, Values
+from asmc_pin.references.reference import as_times, held_outside, quintic_blend
 
 _TERMS = "a list of terms per joint"
 _RISE = "time over which the motion grows from rest"

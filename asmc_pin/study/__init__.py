@@ -7,9 +7,15 @@ from typing import TYPE_CHECKING
 from asmc_pin.lazy import load_on_first_use
 
 if TYPE_CHECKING:
-    from asmc_pin.study.compare import compare as compare
+    from asmc_pin.study.comparing import compare as compare
     from asmc_pin.study.comparison import Comparison as Comparison
 
-load_on_first_use(__name__, {"Comparison": "comparison", "compare": "compare"})
+__getattr__, __dir__ = load_on_first_use(
+    __name__,
+    {
+        "Comparison": "comparison",
+        "compare": "comparing",
+    },
+)
 
 __all__ = ["Comparison", "compare"]

@@ -15,18 +15,18 @@ import xarray as xr
 from asmc_pin.arms import Arm
 from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.condition.premises import premises_along
+from asmc_pin.engine import Rollout
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS, evaluate
+from asmc_pin.pages.summary_tables import Table, overview
+from asmc_pin.pages.theorem_tables import theorem_lines
 from asmc_pin.references import SolvedPath
-from asmc_pin.report.tables import Table, overview
-from asmc_pin.report.theorems import theorem_lines
-from asmc_pin.rollout import Rollout
-from asmc_pin.shown import Cells, Shown
-from asmc_pin.study.notes import Lemma1Range, lemma1_lines
-from asmc_pin.study.refine import Refinement
-from asmc_pin.study.theorems import Theorems
-from asmc_pin.study.tool import tool_figures
+from asmc_pin.study.comparison_notes import Lemma1Range, lemma1_lines
+from asmc_pin.study.refinement import Refinement
+from asmc_pin.study.run_monitors import Theorems
+from asmc_pin.study.tool_rows import tool_figures
 from asmc_pin.tool_error import ToolError
+from asmc_pin.words.shown import Cells, Shown
 
 
 @dataclass(frozen=True, repr=False)

@@ -14,11 +14,11 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.controllers import REQUIRED, TdeLaw, parameters_of
+from asmc_pin.engine import rollout
 from asmc_pin.errors import ExperimentError, ResultError
 from asmc_pin.experiment import Experiment
-from asmc_pin.rollout import rollout
-from asmc_pin.study.objective import Objective
-from asmc_pin.study.stack import Stacked
+from asmc_pin.study.stacked_settings import Stacked
+from asmc_pin.study.tuning_objective import Objective
 
 _DIGITS = 4  # of a suggested value: what is tried is what a file can show
 

@@ -1,11 +1,11 @@
 """Motion in the browser: Meshcat scenes in one page that opens offline, or is served to this machine alone."""
 
-from asmc_pin.viewer.bodies import DrawnArm, draw
 from asmc_pin.viewer.colours import controller_colors
-from asmc_pin.viewer.motion import Motion, describe
-from asmc_pin.viewer.page import player_scripts, replay_element, replay_page, static
-from asmc_pin.viewer.replay import replay_fragment, replay_html, write_replay
-from asmc_pin.viewer.server import make_server, serve
+from asmc_pin.viewer.drawing.drawn_bodies import DrawnArm, draw
+from asmc_pin.viewer.local_server import make_server, serve
+from asmc_pin.viewer.played_motion import Motion, describe
+from asmc_pin.viewer.player_page import player_scripts, replay_element, replay_page, static
+from asmc_pin.viewer.result_replay import replay_fragment, replay_html, write_replay
 
 __all__ = [
     "DrawnArm",

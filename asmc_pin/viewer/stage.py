@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.viewer.bodies import DrawnArm
+from asmc_pin.viewer.drawing.drawn_bodies import DrawnArm
 
 _DIRECTIONS = np.array([d for d in product((-1, 0, 1), repeat=3) if any(d)], dtype=np.float64)
 _DIRECTIONS /= np.linalg.norm(_DIRECTIONS, axis=1, keepdims=True)

@@ -46,9 +46,9 @@ class Tried:
 
 
 DRAWING = {
-    "asmc_pin.study.compare": "draw_figures",
-    "asmc_pin.study.theorems": "draw_theorems",
-    "asmc_pin.report.html": "report_html",
+    "asmc_pin.study.comparing": "draw_figures",
+    "asmc_pin.study.run_monitors": "draw_theorems",
+    "asmc_pin.pages.comparison_page": "report_html",
 }
 """What draws, and the module where it is looked up."""
 

@@ -13,7 +13,7 @@ from typing import Any
 from arm_urdf import two_joints
 
 from asmc_pin.cli import main
-from asmc_pin.resources import shipped
+from asmc_pin.disk.resources import shipped
 
 TINY_EXPERIMENTS = {
     "first": """

@@ -1,7 +1,27 @@
 """Proofs of a condition over a joint box: `certify`. The algorithm and why it is sound: docs/certificate.md."""
 
-from asmc_pin.condition.certificate.certify import certify
-from asmc_pin.condition.certificate.result import CertificateResult
-from asmc_pin.condition.certificate.strategy import ProofProgress
+from __future__ import annotations
 
-__all__ = ["CertificateResult", "ProofProgress", "certify"]
+from typing import TYPE_CHECKING
+
+from asmc_pin.lazy import load_on_first_use
+
+if TYPE_CHECKING:
+    from asmc_pin.condition.certificate.certificate_result import CertificateResult as CertificateResult
+    from asmc_pin.condition.certificate.proving import certify as certify
+    from asmc_pin.condition.certificate.strategy import ProofProgress as ProofProgress
+
+__getattr__, __dir__ = load_on_first_use(
+    __name__,
+    {
+        "CertificateResult": "certificate_result",
+        "ProofProgress": "strategy",
+        "certify": "proving",
+    },
+)
+
+__all__ = [
+    "CertificateResult",
+    "ProofProgress",
+    "certify",
+]

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.along import armature_ends
-from asmc_pin.condition.certificate.problem import Kind, Statement, problem_of
-from asmc_pin.condition.certificate.refute import Worst
-from asmc_pin.condition.certificate.result import Proof
+from asmc_pin.condition.certificate.statement_forms import Kind, Statement, problem_of
 from asmc_pin.condition.certificate.walk import UNKNOWN, Record, prove
-from asmc_pin.condition.lemma1 import Condition
+from asmc_pin.condition.certificate.worst_known import Worst
+from asmc_pin.condition.certificate.writing import Proof
+from asmc_pin.condition.domain.along_motion import armature_ends
+from asmc_pin.condition.norm.two_conditions import Condition
 
 if TYPE_CHECKING:
-    from asmc_pin.condition.variants import Case
+    from asmc_pin.condition.domain.arm_ranges import Case
 
 Outcome = Literal["proven", "blocked", "slow", "stopped"]
 

@@ -11,15 +11,15 @@ from typing import Literal
 import numpy as np
 
 from asmc_pin._typing import Array, IntArray
-from asmc_pin.condition.certificate import kernels_tree
-from asmc_pin.condition.certificate.kernels_state import Problem
+from asmc_pin.condition.certificate.compiled import bisection_tree
+from asmc_pin.condition.certificate.compiled.working_state import Problem
 
-Record = kernels_tree.Bytes
-"""A bisection in preorder: see `kernels_tree`."""
+Record = bisection_tree.Bytes
+"""A bisection in preorder: see `bisection_tree`."""
 
 Status = Literal["proven", "refuted", "stuck", "stopped"]
 
-UNKNOWN: Record = np.array([kernels_tree.LEAF], dtype=np.uint8)
+UNKNOWN: Record = np.array([bisection_tree.LEAF], dtype=np.uint8)
 _DEEP = 1024
 _SLICE = 0.05  # s of one compiled call, between which threads share work and heed a stop
 
@@ -69,7 +69,7 @@ class _Segment:
         share = self.count // 2
         cut = 0
         for _ in range(self.count - share):
-            cut = int(kernels_tree.subtree_end(self.hint, cut))
+            cut = int(bisection_tree.subtree_end(self.hint, cut))
         levels, indices = np.zeros_like(self.levels), np.zeros_like(self.indices)
         levels[:share], indices[:share] = self.levels[:share], self.indices[:share]
         other = _Segment(levels, indices, share, self.hint[cut:])
@@ -136,7 +136,7 @@ class _Crew:
     def _slice(self, segment: _Segment, most: int) -> int:
         record = np.empty(most + segment.hint.size, dtype=np.uint8)
         began = time.perf_counter()
-        status, count, fresh, written, used, tests, volume, q = kernels_tree.explore(
+        status, count, fresh, written, used, tests, volume, q = bisection_tree.explore(
             self.problem, segment.levels, segment.indices, segment.count, segment.hint, most, record
         )
         took = time.perf_counter() - began
@@ -146,9 +146,9 @@ class _Crew:
         with self.changed:
             self.tests += tests
             self.volume += volume
-        if status == kernels_tree.HIT:
+        if status == bisection_tree.HIT:
             self.stop("refuted", q)
-        elif status == kernels_tree.STUCK:
+        elif status == bisection_tree.STUCK:
             self.stop("stuck", q)
         return max(8, min(4 * most, int(most * _SLICE / max(took, 1e-6))))
 
@@ -170,8 +170,8 @@ def get_ready() -> None:
         1.0,
     )
     stack = np.zeros((2, 1), dtype=np.int64)
-    kernels_tree.explore(nothing, stack, stack.copy(), 1, UNKNOWN, 0, UNKNOWN.copy())
-    kernels_tree.subtree_end(UNKNOWN, 0)
+    bisection_tree.explore(nothing, stack, stack.copy(), 1, UNKNOWN, 0, UNKNOWN.copy())
+    bisection_tree.subtree_end(UNKNOWN, 0)
 
 
 def prove(

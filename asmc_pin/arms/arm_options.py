@@ -1,0 +1,165 @@
+"""How a user's variant of an arm is read: locked joints, reflected inertia, mounting, payload."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from asmc_pin._typing import Array
+from asmc_pin.arms.payload import Payload, as_payload
+from asmc_pin.arms.registry import nearest
+from asmc_pin.arms.urdf.magnitudes import GRAVITY as LARGEST_GRAVITY
+from asmc_pin.arms.urdf.magnitudes import INERTIA, LENGTH
+from asmc_pin.arms.urdf.urdf_reading import Robot
+from asmc_pin.errors import ParameterError
+from asmc_pin.words.units import check_angle, check_gravity
+
+GRAVITY = (0.0, 0.0, -9.81)
+Load = float | Payload | Mapping[str, Any]
+Armature = float | Sequence[float] | Array | Mapping[str, float]
+Lock = Mapping[str, "float | str | None"]
+Gravity = Sequence[float] | Array
+
+
+class Unchanged:
+    """Stands for an option of `Arm.replace` that was not given; None means "as if it had never been given"."""
+
+
+UNCHANGED = Unchanged()
+
+
+@dataclass(frozen=True)
+class Variant:
+    """The options of `load_arm`, copied, so that nobody changes them afterwards; None is what was not given."""
+
+    payload: Payload | None = None
+    armature: Array | dict[str, float] | None = None
+    lock: dict[str, float | str | None] | None = None
+    gravity: Array | None = None
+
+
+def read_variant(
+    payload: Load | None, armature: Armature | None, lock: Lock | None, gravity: Gravity | None
+) -> Variant:
+    """Copy and check what can be checked without the arm.
+
+    Raises:
+        ParameterError: Something is not a number, or has the wrong size.
+    """
+    return Variant(
+        payload=as_payload(payload),
+        armature=dict(armature) if isinstance(armature, Mapping) else _numbers("armature", armature),
+        lock=dict(lock) if lock is not None else None,
+        gravity=_gravity(gravity),
+    )
+
+
+def resolve_locks(robot: Robot, default: Mapping[str, float], lock: Lock | None) -> dict[str, float]:
+    """Which joints stand still, and where.
+
+    Args:
+        robot: The checked URDF.
+        default: Locks of the registry's entry.
+        lock: The user's: joint to value (rad, m); None or ``"free"`` frees a joint that is locked by default.
+
+    Returns:
+        Joint to value; a joint that mimics a locked one is locked at the value that follows.
+
+    Raises:
+        ParameterError: An unknown joint, or a value that is not a finite number.
+    """
+    locked = dict(default)
+    for name, value in (lock or {}).items():
+        if name in robot.fixed:
+            raise ParameterError("lock", f"joint '{name}' is fixed in {robot.path.name} already; leave it out")
+        if name not in robot.joints:
+            raise ParameterError("lock", f"no joint '{name}' in {robot.path.name}; {nearest(name, list(robot.joints))}")
+        if value is None or value == "free":
+            locked.pop(name, None)
+            continue
+        unit = "m" if robot.joints[name].kind == "prismatic" else "rad"
+        try:
+            locked[name] = float(value)
+        except (TypeError, ValueError, OverflowError):
+            locked[name] = math.nan
+        if not math.isfinite(locked[name]):
+            raise ParameterError("lock", f"joint '{name}': {value!r} given, a number in {unit} or \"free\" expected")
+        if abs(locked[name]) > LENGTH:
+            raise ParameterError("lock", f"joint '{name}': {value!r} given, at most {LENGTH:g} {unit} expected")
+        joint = robot.joints[name]
+        if joint.kind == "revolute":
+            check_angle("lock", name, locked[name], joint.lower, joint.upper, joint.continuous)
+    followers = {name: j.mimic for name, j in robot.joints.items() if j.mimic and name not in (lock or {})}
+    # A follower may follow a follower; each pass settles at least one more link of such a chain.
+    for _ in followers:
+        for name, mimic in followers.items():
+            if mimic.joint in locked:
+                locked[name] = mimic.multiplier * locked[mimic.joint] + mimic.offset
+                if not abs(locked[name]) <= LENGTH:
+                    where = robot.joints[name].where
+                    raise ParameterError("lock", f"{where}: follows '{mimic.joint}' to {locked[name]:g}; mend <mimic>")
+    return locked
+
+
+def resolve_armature(
+    joints: Sequence[str], default: Mapping[str, float], armature: Array | Mapping[str, float] | None
+) -> Array:
+    """Reflected rotor inertia of each moving joint, kg·m².
+
+    Args:
+        joints: Names of the moving joints.
+        default: Values of the registry's entry.
+        armature: What the user sets in their place: one value for all, one per joint, or a mapping that leaves the
+            other joints alone.
+
+    Returns:
+        Shape (nv,).
+
+    Raises:
+        ParameterError: A wrong size, an unknown joint, a negative or non-finite value.
+    """
+    values = np.array([default.get(name, 0.0) for name in joints])
+    if isinstance(armature, Mapping):
+        for name, value in armature.items():
+            if name not in joints:
+                raise ParameterError("armature", f"no moving joint '{name}'; {nearest(name, list(joints))}")
+            number = _numbers(f"armature.{name}", value)
+            if number is None or number.shape != ():
+                raise ParameterError(f"armature.{name}", f"{value!r} given, one number expected, kg·m²")
+            values[list(joints).index(name)] = number
+    elif armature is not None:
+        if armature.shape not in ((), (1,), (len(joints),)):
+            expected = f"1 or {len(joints)} expected ({', '.join(joints)})"
+            raise ParameterError("armature", f"{armature.size} values given, {expected}")
+        values[:] = armature
+    if not np.all(np.isfinite(values)) or np.any(values < 0.0):
+        raise ParameterError("armature", f"{values.tolist()} given, finite values of zero or more expected, kg·m²")
+    if np.any(values > INERTIA):
+        raise ParameterError("armature", f"{values.tolist()} given, values of at most {INERTIA:g} expected, kg·m²")
+    return values
+
+
+def _gravity(gravity: Gravity | None) -> Array | None:
+    value = _numbers("gravity", gravity)
+    if value is not None and (value.shape != (3,) or not np.all(np.isfinite(value))):
+        raise ParameterError(
+            "gravity",
+            f"{gravity!r} given, three finite numbers expected: the acceleration in the base frame, m/s², such as "
+            "(0, 0, 9.81) for an arm on the ceiling or (9.81, 0, 0) on a wall",
+        )
+    if value is not None and np.any(np.abs(value) > LARGEST_GRAVITY):
+        raise ParameterError("gravity", f"{gravity!r} given, at most {LARGEST_GRAVITY:g} m/s² expected")
+    if value is not None:
+        check_gravity(value)
+    return value
+
+
+def _numbers(parameter: str, value: Any) -> Array | None:
+    try:
+        return None if value is None else np.array(value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise ParameterError(parameter, f"{value!r} given, numbers expected") from None

@@ -1,0 +1,36 @@
+"""The table of named arms that `asmc-pin arms` and README.md show."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+
+from asmc_pin.arms.loading import load_arm
+from asmc_pin.arms.registry import ARMS
+
+
+def arms_table() -> list[dict[str, str]]:
+    """One row per named arm, as it is loaded without options.
+
+    Returns:
+        Rows with the keys name, joints, kinds, mass, effort limits, origin, licence. The mass is what moves.
+    """
+    rows = []
+    for name, entry in ARMS.items():
+        arm = load_arm(name)
+        kinds = (
+            "continuous" if endless else kind for kind, endless in zip(arm.joint_kinds, arm.continuous, strict=True)
+        )
+        rows.append(
+            {
+                "name": name,
+                "joints": str(arm.nv),
+                "kinds": ", ".join(f"{count} {kind}" for kind, count in Counter(kinds).items()),
+                "mass": f"{arm.tree.mass.sum():.1f} kg",
+                "effort limits": "declared" if np.all(np.isfinite(arm.effort_limit)) else "not declared",
+                "origin": entry.origin,
+                "licence": entry.licence,
+            }
+        )
+    return rows

@@ -1,0 +1,222 @@
+"""Loading an arm: from a name or a path to an `Arm`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from asmc_pin.arms.arm import Arm
+from asmc_pin.arms.arm_options import (
+    GRAVITY,
+    Armature,
+    Gravity,
+    Load,
+    Lock,
+    Variant,
+    read_variant,
+    resolve_armature,
+    resolve_locks,
+)
+from asmc_pin.arms.pinocchio_model import bare_model, carry, check_mass_matrix, last_link, set_limits
+from asmc_pin.arms.pinocchio_tree import tree_of
+from asmc_pin.arms.registry import ArmEntry, find, package_dirs
+from asmc_pin.arms.urdf.magnitudes import MOVING_JOINTS
+from asmc_pin.arms.urdf.urdf_document import read_document
+from asmc_pin.arms.urdf.urdf_reading import Joint, Robot, read_robot
+from asmc_pin.disk.reading import shown
+from asmc_pin.errors import ArmError
+from asmc_pin.words.text import printable
+
+
+def load_arm(
+    source: str | Path,
+    *,
+    payload: Load | None = None,
+    armature: Armature | None = None,
+    lock: Lock | None = None,
+    gravity: Gravity | None = None,
+) -> Arm:
+    """Load an arm.
+
+    Args:
+        source: Name of a known arm (`arm_names`), or path of a URDF. Meshes are not needed.
+        payload: What it carries: a mass in kg, as a point at the frame of the last moving link; or a `Payload`, or a
+            mapping with its fields, with centre, inertia and link.
+        armature: Reflected rotor inertia (rotor inertia times gear ratio squared), kg·m² (kg where prismatic), on the
+            diagonal of M: one value, one per joint, or joint to value. Takes the place of what the arm's entry has.
+        lock: Joint to value, rad (m): the joint is rigid there. Added to the entry's default locks; None or ``"free"``
+            frees one.
+        gravity: Acceleration of gravity in the base frame, m/s²; default (0, 0, −9.81). (0, 0, 9.81) hangs the arm
+            from a ceiling.
+
+    Returns:
+        The arm. `Arm.warnings` says what was taken otherwise than written.
+
+    Raises:
+        ArmError: Unknown name, or a URDF at fault.
+        ParameterError: An option at fault.
+    """
+    path, entry = find(source)
+    return assemble(Recipe(read_robot(read_document(path)), entry, read_variant(payload, armature, lock, gravity)))
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What an arm is made of.
+
+    Attributes:
+        robot: The checked URDF.
+        entry: The registry's entry, where the arm was asked for by name.
+        variant: The options.
+    """
+
+    robot: Robot
+    entry: ArmEntry | None
+    variant: Variant
+
+    def assemble(self) -> Arm:
+        """The arm."""
+        return assemble(self)
+
+    def vary(self, arm: Arm, changes: Mapping[str, Any]) -> Arm:
+        """The arm with some options replaced, see `vary`."""
+        return vary(arm, changes)
+
+
+def assemble(recipe: Recipe) -> Arm:
+    """Make the arm that a checked URDF and its options stand for.
+
+    Args:
+        recipe: What it is made of.
+
+    Returns:
+        The arm.
+
+    Raises:
+        ArmError: The URDF and the options together make no arm.
+        ParameterError: An option at fault.
+    """
+    robot, entry, variant = recipe.robot, recipe.entry, recipe.variant
+    locked = resolve_locks(robot, entry.locks if entry else {}, variant.lock)
+    model = bare_model(robot, locked)
+    joints = [robot.joints[name] for name in model.names[1:]]
+    names = tuple(joint.name for joint in joints)
+    _check_mimics(robot, joints, variant.lock or {})
+    if len(joints) > MOVING_JOINTS:
+        raise ArmError(
+            robot.path,
+            f"{shown(robot.path)}: has {len(joints)} moving joints, and at most {MOVING_JOINTS} are computed with; "
+            "lock the rest",
+        )
+    model.armature = resolve_armature(names, entry.armature if entry else {}, variant.armature)
+    model.gravity.linear = np.array(GRAVITY) if variant.gravity is None else variant.gravity
+    set_limits(model, joints)
+    payload = variant.payload
+    if payload is not None:
+        payload = replace(payload, link=payload.link or last_link(robot, model))
+        carry(robot, model, payload)
+    check_mass_matrix(robot, model)
+    return Arm(
+        name=entry.name if entry else printable(robot.path.stem),
+        joint_names=names,
+        joint_kinds=tuple(joint.kind for joint in joints),
+        continuous=_frozen([joint.continuous for joint in joints], np.bool_),
+        lower=_frozen([joint.lower for joint in joints]),
+        upper=_frozen([joint.upper for joint in joints]),
+        effort_limit=_frozen([joint.effort for joint in joints]),
+        velocity_limit=_frozen([joint.velocity for joint in joints]),
+        friction=_frozen([joint.friction for joint in joints]),
+        damping=_frozen([joint.damping for joint in joints]),
+        armature=_frozen(model.armature),
+        gravity_vector=_frozen(model.gravity.linear),
+        link_names=tuple(frame.name for frame in model.frames if frame.type == pin.FrameType.BODY),
+        locked=MappingProxyType(locked),
+        payload=payload,
+        warnings=(*robot.warnings, *_warnings(robot, joints, locked)),
+        source=robot.path,
+        sha256=robot.sha256,
+        urdf_text=robot.text,
+        package_dirs=package_dirs(robot.path),
+        model=model,
+        tree=tree_of(model),
+        made_of=recipe,
+    )
+
+
+def vary(arm: Arm, changes: Mapping[str, Any]) -> Arm:
+    """The same URDF with some options replaced.
+
+    Args:
+        arm: The arm.
+        changes: Options as `load_arm` takes them.
+
+    Returns:
+        A new arm; a joint that the new locks hold loses its armature.
+    """
+    robot, entry, variant = arm.made_of.robot, arm.made_of.entry, arm.made_of.variant
+    asked = read_variant(*(changes.get(name) for name in ("payload", "armature", "lock", "gravity")))
+    # A payload stays on its link even where the new locks make another link the last one.
+    new = replace(replace(variant, payload=arm.payload), **{name: getattr(asked, name) for name in changes})
+    if "lock" in changes and "armature" not in changes and variant.armature is not None:
+        held = resolve_locks(robot, entry.locks if entry else {}, new.lock)
+        kept = zip(arm.joint_names, arm.armature.tolist(), strict=True)
+        new = replace(new, armature={name: value for name, value in kept if name not in held})
+    return assemble(Recipe(robot, entry, new))
+
+
+def _frozen(values: Any, dtype: Any = np.float64) -> Any:
+    array = np.array(values, dtype=dtype)
+    array.setflags(write=False)
+    return array
+
+
+def _check_mimics(robot: Robot, joints: Sequence[Joint], lock: Lock) -> None:
+    for joint in joints:
+        if joint.mimic is not None and joint.name not in lock:
+            master = joint.mimic.joint
+            raise ArmError(
+                robot.path,
+                f"{joint.where}: it mimics joint '{master}', and coupled joints are not supported. Lock '{master}' and "
+                f"'{joint.name}' follows: lock={{'{master}': 0.0}}. To treat them as two motors, free it: "
+                f"lock={{'{joint.name}': 'free'}}",
+            )
+
+
+def _warnings(robot: Robot, joints: Sequence[Joint], locked: Mapping[str, float]) -> list[str]:
+    found = [
+        ("position limits", [j.name for j in joints if np.isinf(j.upper - j.lower) and not j.continuous], "no limit"),
+        ("effort limits", [j.name for j in joints if np.isinf(j.effort)], "unlimited torque"),
+        ("velocity limits", [j.name for j in joints if np.isinf(j.velocity)], "no limit"),
+    ]
+    warnings = [
+        f"zero, missing or endless {what} for {', '.join(names)} in {robot.path.name}: taken as undeclared, {meaning}"
+        for what, names, meaning in found
+        if names
+    ]
+    sliding = [joint.name for joint in joints if joint.kind == "prismatic"]
+    if sliding:
+        warnings.append(f"prismatic: {', '.join(sliding)}; m, m/s, N and kg there, not rad, rad/s, N·m and kg·m²")
+    for joint in joints:
+        if joint.mimic is not None:
+            warnings.append(
+                f"joint '{joint.name}' mimics '{joint.mimic.joint}' in the URDF; here it has a motor of its own"
+            )
+        if joint.lower == joint.upper:
+            warnings.append(
+                f"joint '{joint.name}' has no range, both its limits are {joint.lower:g}; lock it, or mend them"
+            )
+    for name, value in locked.items():
+        joint = robot.joints[name]
+        if not joint.lower <= value <= joint.upper:
+            warnings.append(
+                f"joint '{name}' is locked at {value:g}, outside its limits {joint.lower:g} … {joint.upper:g}"
+            )
+        if joint.mimic is not None and joint.mimic.joint not in locked:
+            warnings.append(f"joint '{name}' is locked although it mimics '{joint.mimic.joint}', which moves")
+    return warnings

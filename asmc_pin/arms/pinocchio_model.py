@@ -1,0 +1,163 @@
+"""From a checked URDF to a Pinocchio model with one coordinate per joint."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pinocchio as pin
+
+from asmc_pin._typing import Array
+from asmc_pin.arms.payload import Payload
+from asmc_pin.arms.registry import nearest
+from asmc_pin.arms.urdf.urdf_reading import JOINT_PREFIX, Joint, Robot
+from asmc_pin.errors import ArmError, ParameterError
+
+# Joint angles at which M(q) is examined; any spread will do, it only has to be the same every time.
+_SAMPLES = 16
+
+# kg·m² (kg): below it the inverse of M, squared, leaves the range of a double.
+_LEAST = 1e-100
+# m²: a radius of gyration of less than 1e-10 m is the rounding of a mass on the axis.
+_NO_RADIUS = 1e-20
+
+
+def bare_model(robot: Robot, locked: Mapping[str, float]) -> pin.Model:
+    """The arm as its URDF has it, locked joints merged into their parents.
+
+    Raises:
+        ArmError: Pinocchio refuses the file, or a moving link carries no inertia.
+    """
+    try:
+        model = pin.buildModelFromXML(robot.xml)
+    except ValueError as error:
+        raise ArmError(robot.path, f"{robot.path}: Pinocchio cannot build this arm ({error})") from None
+    if locked:
+        q = pin.neutral(model)
+        indices = [model.getJointId(JOINT_PREFIX + name) for name in locked]
+        for index, value in zip(indices, locked.values(), strict=True):
+            q[model.joints[index].idx_q] = value
+        model = pin.buildReducedModel(model, indices, q)
+    for index, name in enumerate(model.names):
+        model.names[index] = name.removeprefix(JOINT_PREFIX)
+    for frame in model.frames:
+        frame.name = frame.name.removeprefix(JOINT_PREFIX)
+    if model.nv == 0:
+        raise ArmError(robot.path, f"{robot.path}: nothing movable, every joint is locked; free one")
+    _check_moving_links(robot, model)
+    return model
+
+
+def _check_moving_links(robot: Robot, model: pin.Model) -> None:
+    for index in range(1, model.njoints):
+        if model.inertias[index].mass > 0.0:
+            continue
+        joint = robot.joints[model.names[index]]
+        links = [
+            frame.name for frame in model.frames if frame.type == pin.FrameType.BODY and frame.parentJoint == index
+        ]
+        raise ArmError(
+            robot.path,
+            f"{joint.where}: moves link '{links[0]}', which carries no inertia"
+            + (f", nor does anything fixed to it ({', '.join(links[1:])})" if links[1:] else "")
+            + f"; add <inertial> with a mass above zero to link '{links[0]}', or lock the joint",
+        )
+
+
+def link_frame(robot: Robot, model: pin.Model, link: str) -> pin.Frame:
+    """Frame of a link that moves.
+
+    Raises:
+        ParameterError: No such link, or it stands still.
+    """
+    if link not in robot.links:
+        raise ParameterError("payload.link", f"no link '{link}' in {robot.path.name}; {nearest(link, robot.links)}")
+    frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
+    if frame.parentJoint == 0:
+        raise ParameterError(
+            "payload.link", f"link '{link}' does not move, so a payload on it changes nothing; name one that does"
+        )
+    return frame
+
+
+def last_link(robot: Robot, model: pin.Model) -> str:
+    """Child link of the last moving joint.
+
+    Raises:
+        ParameterError: The arm branches, so there is no last link.
+    """
+    parents = set(model.parents[1:])
+    tips = [index for index in range(1, model.njoints) if index not in parents]
+    if len(tips) > 1:
+        ends = ", ".join(robot.joints[model.names[index]].child for index in tips)
+        raise ParameterError(
+            "payload.link", f"the arm has {len(tips)} ends ({ends}); name the link that carries the payload"
+        )
+    return robot.joints[model.names[tips[0]]].child
+
+
+def carry(robot: Robot, model: pin.Model, payload: Payload) -> None:
+    """Add a payload, whose link is named, to the body that carries it."""
+    frame = link_frame(robot, model, payload.link or last_link(robot, model))
+    body = pin.Inertia(payload.mass, np.array(payload.com), payload.inertia_matrix)
+    # Not `+=`: the vector hands out references, and the sum is to stand in the model.
+    model.inertias[frame.parentJoint] = model.inertias[frame.parentJoint] + frame.placement.act(body)
+
+
+def set_limits(model: pin.Model, joints: list[Joint]) -> None:
+    """Write the limits as read, so that whoever takes the Pinocchio model finds ±inf and not our placeholder."""
+    model.lowerPositionLimit = np.array([joint.lower for joint in joints])
+    model.upperPositionLimit = np.array([joint.upper for joint in joints])
+    for name, values in (("velocityLimit", [j.velocity for j in joints]), ("effortLimit", [j.effort for j in joints])):
+        setattr(model, name, np.array(values))
+
+
+def check_mass_matrix(robot: Robot, model: pin.Model) -> None:
+    """Refuse an arm whose M(q) is not positive definite.
+
+    M is scaled to a unit diagonal first, so that a light wrist on a heavy arm, or metres next to radians, do not count
+    as singular.
+
+    Raises:
+        ArmError: Names the joint that feels no inertia, and the configuration.
+    """
+    data = model.createData()
+    generator = np.random.default_rng(0)
+    for q in np.vstack([np.zeros(model.nv), generator.uniform(-np.pi, np.pi, (_SAMPLES, model.nv))]):
+        mass: Array = pin.crba(model, data, q)
+        diagonal = np.diag(mass)
+        comparable = bool(np.all(diagonal > max(1e-16 * diagonal.max(), _LEAST)))
+        if comparable:
+            scale = 1.0 / np.sqrt(diagonal)
+            values, vectors = np.linalg.eigh(mass * scale[:, None] * scale)
+            if values[0] > 8.0 * model.nv * np.finfo(float).eps:
+                continue
+            weak = int(np.argmax(np.abs(vectors[:, 0])))
+        else:
+            weak = int(np.argmin(diagonal))
+        raise ArmError(robot.path, _singular(robot, model, q, mass, weak, comparable))
+
+
+def _singular(robot: Robot, model: pin.Model, q: Array, mass: Array, weak: int, comparable: bool) -> str:
+    """Why M(q) is not positive definite: a joint without inertia, or masses that are too far apart or too small."""
+    joint = robot.joints[model.names[weak + 1]]
+    carried = [weak + 1]
+    for index in range(weak + 2, model.njoints):
+        if model.parents[index] in carried:
+            carried.append(index)
+    weight = sum(model.inertias[index].mass for index in carried)
+    if not comparable and mass[weak, weak] > _NO_RADIUS * weight:
+        heaviest = max(range(1, model.njoints), key=lambda index: model.inertias[index].mass)
+        link = robot.joints[model.names[heaviest]].child
+        return (
+            f"{joint.where}: M(q) is no matrix that can be computed with at q = {np.round(q, 3).tolist()}: what hangs "
+            f"on this joint has a mass of {weight:.3g} kg and feels {mass[weak, weak]:.3g} kg·m² (kg), while link "
+            f"'{link}', with what is fixed to it, has {model.inertias[heaviest].mass:.3g} kg. Check these masses"
+        )
+    smallest = float(np.linalg.eigvalsh(mass)[0])
+    return (
+        f"{joint.where}: the mass matrix is not positive definite at q = {np.round(q, 3).tolist()} (smallest "
+        f"eigenvalue {smallest:.3g}), because nothing resists this joint: link '{joint.child}' and what hangs on "
+        "it have their mass on its axis and no rotational inertia about it, or another joint moves them just so. "
+        f"Give link '{joint.child}' its inertia, or joint '{joint.name}' an armature"
+    )

@@ -1,0 +1,1 @@
+"""One function a command: options in, a verb of the package called, text or JSON out. Importing it registers them."""

@@ -1,0 +1,210 @@
+"""`asmc-pin verify`: is this M̄ allowed?"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from asmc_pin.cli import interrupt
+from asmc_pin.cli.app import app
+from asmc_pin.cli.console import note, print_json, progress_bar, rich_console, say
+from asmc_pin.cli.options import (
+    ArmArgument,
+    ArmatureOption,
+    BoxOption,
+    BudgetOption,
+    CertificateOption,
+    CertifyOption,
+    ConditionOption,
+    GapOption,
+    GravityOption,
+    JsonOption,
+    LockOption,
+    MbarOption,
+    PayloadOption,
+    ReportOption,
+    open_domain,
+    parse_box,
+    per_joint,
+)
+from asmc_pin.disk.files import check_readable, check_writable
+from asmc_pin.errors import ParameterError
+from asmc_pin.words.text import visible
+
+if TYPE_CHECKING:
+    from asmc_pin.arms import Arm
+    from asmc_pin.condition import ConditionReport, DesignReport
+
+EXIT = {"holds": 0, "unrefuted": 0, "violated": 1, "undecided": 3}
+
+
+@app.command()
+def verify(
+    arm: ArmArgument,
+    mbar: MbarOption,
+    condition: ConditionOption = "lemma1",
+    samples: Annotated[int | None, typer.Option(min=1, help="Samples of the joint box.")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of the samples.")] = 0,
+    along: Annotated[
+        str | None,
+        typer.Option(metavar="EXPERIMENT", help="Along this experiment's reference instead of over the joint box."),
+    ] = None,
+    tube: Annotated[
+        float | None, typer.Option(metavar="RAD", help="With --along: also all within this of the motion, rad or m.")
+    ] = None,
+    certify: CertifyOption = False,
+    gap: GapOption = 0.01,
+    budget: BudgetOption = 60.0,
+    certificate: CertificateOption = None,
+    report: ReportOption = None,
+    box: BoxOption = None,
+    payload: PayloadOption = None,
+    armature: ArmatureOption = None,
+    lock: LockOption = None,
+    gravity: GravityOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Look for a configuration at which M̄ breaks the condition, or prove that there is none.
+
+    Exit status 0: it holds, or was not refuted; 1: it is violated; 3: undecided within the budget.
+    """
+    page = report_path(report)
+    check_proof_options(certify, certificate)
+    if certify and along is not None and tube is None:
+        raise ParameterError("--certify", "proves over boxes: add --tube RAD for a tube around the motion")
+    if tube is not None and along is None:
+        raise ParameterError("--tube", "is around a motion: add --along EXPERIMENT or a CSV of recorded data")
+    values, ranges = per_joint(mbar, "--mbar"), parse_box(box)
+    check_motion(along)
+    loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
+    from asmc_pin.condition import verify as run
+
+    domain |= {"condition": condition, "seed": seed, "box": ranges}
+    options: dict[str, Any] = {} if samples is None else {"samples": samples}
+    if along is not None:
+        options |= {"along": _motion(along, loaded), "tube_width": tube}
+    found = run(loaded, values, **domain, **options)
+    if certify:
+        options.pop("samples", None)
+        found = prove(loaded, values, found, certificate, gap=gap, budget=budget, **domain, **options)
+    write_page(found, loaded, page)
+    if as_json:
+        print_json(found.to_json_dict())
+    else:
+        print_verdict(found)
+        _print_tde_error(options.get("along"), loaded, values)
+    raise typer.Exit(EXIT[found.verdict])
+
+
+def check_motion(along: str | None) -> None:
+    """Say that ``--along`` is neither a file nor an experiment before anything is loaded for it."""
+    if along is None:
+        return
+    if along.lower().endswith(".csv"):
+        check_readable(along, "the recorded motion")
+        return
+    from asmc_pin.experiment.finding import find_experiment
+
+    find_experiment(along)
+
+
+def _motion(along: str, arm: Arm) -> Any:
+    """An experiment, of which the motion alone is wanted, or recorded data where the name ends in .csv."""
+    if along.lower().endswith(".csv"):
+        from asmc_pin.condition.domain.recorded_motion import read_recording
+
+        return read_recording(along, arm)
+    from asmc_pin.experiment import load_experiment
+
+    return load_experiment(along, import_laws=False)
+
+
+def prove(
+    arm: Arm, mbar: float | list[float], found: ConditionReport, certificate: str | None, **options: Any
+) -> ConditionReport:
+    """Join a search's report with a proof of the same statement; after Ctrl-C with what is proven by then."""
+    from asmc_pin.condition.certificate import certify
+    from asmc_pin.condition.certificate.search_and_proof import certified
+
+    budget = options["budget"]
+    with interrupt.stopping_short() as go_on, progress_bar() as show:
+
+        def tell(state: Any) -> None:
+            go_on()
+            what = f"proven M̄ × {state.proven:.4g}, refuted × {state.refuted:.4g}, {state.trying}"
+            show(what, min(state.seconds / budget, 1.0))
+
+        result = certify(arm, mbar, progress=tell, **options)
+    if certificate is not None:
+        if result.proofs:
+            note(f"certificate: {result.save(certificate)}")
+        else:
+            note(f"nothing is proven, so no certificate was written to {certificate}")
+    return certified(found, result)
+
+
+def print_verdict(report: ConditionReport) -> None:
+    """Print a report of the condition for a person to read: what it is about first; angles in degrees too."""
+    from rich.table import Column, Table
+    from rich.text import Text
+
+    console = rich_console()
+
+    def tell(line: str, style: str = "") -> None:
+        console.print(Text(visible(line), style), soft_wrap=True)
+
+    style = {"holds": "bold green", "unrefuted": "bold green", "violated": "bold red"}.get(
+        report.verdict, "bold yellow"
+    )
+    for line in report.lines():
+        tell(line, style if line == report.headline() else "")
+    header, rows = report.table()
+    table = Table(Column(header[0], overflow="fold"), *header[1:], box=None, pad_edge=False)
+    for row in rows:
+        table.add_row(*row)
+    console.print(table)
+    for line in report.remarks():
+        tell(line)
+
+
+def _print_tde_error(along: Any, arm: Arm, mbar: float | list[float]) -> None:
+    """The TDE error that M̄ would have made along recorded motion, where its torque was recorded too."""
+    from asmc_pin.condition.domain.recorded_motion import Recording, tde_error
+
+    if not isinstance(along, Recording) or along.torque is None:
+        return
+    import numpy as np
+
+    error = np.nanmax(np.abs(tde_error(arm, mbar, along)), axis=0)
+    figures = ", ".join(f"{name} {value:.4g}" for name, value in zip(arm.joint_names, error, strict=True))
+    say(f"largest TDE error |N| that M̄ would have made, rad/s²: {figures}")
+
+
+def check_proof_options(certify: bool, certificate: str | None) -> None:
+    """A certificate is what a proof leaves."""
+    if certificate is not None and not certify:
+        raise ParameterError("--certificate", "is what --certify proves: add --certify")
+    if certificate is not None and Path(certificate).parent.exists():  # else it is made
+        check_writable(certificate)
+
+
+def write_page(report: ConditionReport | DesignReport, arm: Arm, page: Path | None) -> None:
+    """``--report FILE``, if it was asked for."""
+    if page is not None:
+        from asmc_pin.pages.condition_page import write_condition_report
+
+        write_condition_report(report, arm, page)
+        note(f"report: {page}")
+
+
+def report_path(text: str | None) -> Path | None:
+    """``--report FILE``; the suffix chooses the form."""
+    if text is None:
+        return None
+    path = Path(text)
+    if path.suffix.lower() not in (".html", ".md"):
+        raise ParameterError("--report", f"'{text}' ends in neither .html nor .md; the ending chooses the form")
+    check_writable(path)
+    return path

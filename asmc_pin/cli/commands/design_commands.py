@@ -1,0 +1,188 @@
+"""`asmc-pin design` and `asmc-pin stability`: the best M̄, and the gains that a sampled loop bears."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated, Any, TypeAlias
+
+import typer
+
+from asmc_pin.cli.app import app
+from asmc_pin.cli.commands.condition_commands import EXIT, check_proof_options, prove, report_path, write_page
+from asmc_pin.cli.console import note, print_json, say
+from asmc_pin.cli.options import (
+    ArmArgument,
+    ArmatureOption,
+    BoxOption,
+    BudgetOption,
+    CertificateOption,
+    CertifyOption,
+    ConditionOption,
+    GapOption,
+    GravityOption,
+    JsonOption,
+    LockOption,
+    MbarOption,
+    PayloadOption,
+    ReportOption,
+    number,
+    open_domain,
+    parse_bounds,
+    parse_box,
+    per_joint,
+)
+from asmc_pin.errors import ParameterError
+from asmc_pin.words.choices import Acceleration, Form, Objective
+
+AccelerationOption: TypeAlias = Annotated[
+    Acceleration, typer.Option("--acceleration", metavar="velocity|position", help="How q̈(t−L) is estimated.")
+]
+FilterOption: TypeAlias = Annotated[
+    float | None, typer.Option("--filter-hz", metavar="HZ", help="First-order low-pass on that estimate.")
+]
+DelayOption: TypeAlias = Annotated[
+    float, typer.Option("--delay", metavar="PERIODS", help="Transport delay of the torque, fractions allowed.")
+]
+
+
+@app.command()
+def design(
+    arm: ArmArgument,
+    condition: ConditionOption = "lemma1",
+    objective: Annotated[
+        Objective,
+        typer.Option(
+            metavar="contraction|bandwidth", help="Least norm, or the fastest estimate that the condition allows."
+        ),
+    ] = "contraction",
+    form: Annotated[Form, typer.Option(metavar="diagonal|scalar", help="One m̄ per joint, or one.")] = "diagonal",
+    bounds: Annotated[
+        list[str] | None,
+        typer.Option(metavar="JOINT=LO:HI", help="Least and largest m̄ of a joint, kg·m². Repeatable."),
+    ] = None,
+    level: Annotated[float | None, typer.Option(help="Largest norm that the bandwidth objective may use.")] = None,
+    gains: Annotated[bool, typer.Option("--gains", help="Also β and K_s with margins; needs --period.")] = False,
+    period: Annotated[str | None, typer.Option(metavar="S", help="Control period for --gains.")] = None,
+    gain_margin: Annotated[float, typer.Option(help="Factor by which the torque gain may be off, for --gains.")] = 2.0,
+    delay_margin: Annotated[float, typer.Option(help="Delay that may come on top, periods, for --gains.")] = 1.0,
+    coulomb: Annotated[
+        str | None,
+        typer.Option(metavar="C1,C2,…", help="Coulomb friction for the prediction, N·m; the URDF's if omitted."),
+    ] = None,
+    acceleration: AccelerationOption = "velocity",
+    filter_hz: FilterOption = None,
+    delay: DelayOption = 0.0,
+    seed: Annotated[int, typer.Option(min=0, help="Of the searches.")] = 0,
+    certify: CertifyOption = False,
+    gap: GapOption = 0.01,
+    budget: BudgetOption = 60.0,
+    certificate: CertificateOption = None,
+    report: ReportOption = None,
+    box: BoxOption = None,
+    payload: PayloadOption = None,
+    armature: ArmatureOption = None,
+    lock: LockOption = None,
+    gravity: GravityOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Find the M̄ of least contraction, or of the fastest estimate. Exit status 1 when none satisfies the condition."""
+    page = report_path(report)
+    check_proof_options(certify, certificate)
+    if gains and period is None:
+        raise ParameterError("--gains", "needs the control period: add --period 0.001, in seconds")
+    limits, ranges = parse_bounds(bounds), parse_box(box)
+    length = None if period is None else number(period, "--period")
+    losses = None if coulomb is None else per_joint(coulomb, "--coulomb")
+    if length is not None:
+        from asmc_pin.words.units import check_period
+
+        check_period(length, "--period")
+    loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
+    from asmc_pin.condition import design as run
+
+    options: dict[str, Any] = {"condition": condition, "objective": objective, "form": form, "level": level}
+    found = run(loaded, **options, bounds=limits, box=ranges, seed=seed, **domain)
+    if certify and found.check is not None:
+        proof = {"gap": gap, "budget": budget, "seed": seed, "condition": condition, "box": ranges}
+        check = prove(loaded, list(found.check.mbar), found.check, certificate, **proof, **domain)
+        found = replace(found, check=check, verdict=check.verdict)
+    write_page(found, loaded, page)
+    content, lines = found.to_json_dict(), found.lines()
+    if length is not None and gains and found.mbar is not None:
+        from asmc_pin.sampled.gains import suggest_gains
+
+        if domain:
+            note("the gains are for the arm as it is, without the ranges")
+        suggested = suggest_gains(
+            loaded,
+            found.mbar,
+            length,
+            acceleration=acceleration,
+            filter_hz=filter_hz,
+            delay=delay,
+            gain_margin=gain_margin,
+            delay_margin=delay_margin,
+            coulomb=losses,
+            box=ranges,
+        )
+        content["gains"] = suggested.to_json_dict()
+        lines = [*lines, *suggested.lines()]
+    if as_json:
+        print_json(content)
+    else:
+        say(*lines)
+    raise typer.Exit({"infeasible": 1, **EXIT}[found.verdict])
+
+
+@app.command()
+def stability(
+    arm: ArmArgument,
+    mbar: MbarOption,
+    ks: Annotated[str, typer.Option(metavar="K1,K2,…", help="Diagonal of K_s, 1/s, or one value for all joints.")],
+    beta: Annotated[str, typer.Option(metavar="B", help="β, 1/s.")],
+    period: Annotated[str, typer.Option(metavar="S", help="Control period L.")],
+    acceleration: AccelerationOption = "velocity",
+    filter_hz: FilterOption = None,
+    delay: DelayOption = 0.0,
+    box: BoxOption = None,
+    payload: PayloadOption = None,
+    armature: ArmatureOption = None,
+    lock: LockOption = None,
+    gravity: GravityOption = None,
+    figures: Annotated[
+        str | None,
+        typer.Option(metavar="DIR", help="Draw the stable region, over β and k_s and over L, into this folder."),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Analyse the sampled loop, frozen over the workspace. Exit status 1 when it is unstable somewhere."""
+    values, slopes, ranges = per_joint(mbar, "--mbar"), per_joint(ks, "--ks"), parse_box(box)
+    rate, length = number(beta, "--beta"), number(period, "--period")
+    loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
+    if domain:
+        raise ParameterError(
+            f"--{next(iter(domain))}", "one value expected here, not a range: a frozen loop is not affine in it"
+        )
+    from asmc_pin.sampled import stability as run
+
+    report = run(
+        loaded,
+        values,
+        slopes,
+        rate,
+        length,
+        acceleration=acceleration,
+        filter_hz=filter_hz,
+        delay=delay,
+        box=ranges,
+    )
+    if figures is not None:
+        from asmc_pin.pages.stability_figures import save_figures
+
+        for path in save_figures(loaded, report.loop, figures, box=ranges):
+            note(f"wrote {path}")
+    if as_json:
+        print_json(report.to_json_dict())
+    else:
+        say(*report.lines())
+    raise typer.Exit(0 if report.stable else 1)

@@ -1,0 +1,97 @@
+"""`asmc-pin check`, `agree` and `reproduce`: what others can replay."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from asmc_pin.cli.app import app
+from asmc_pin.cli.commands.condition_commands import EXIT
+from asmc_pin.cli.console import announce_compiling, print_json, progress_bar, say
+from asmc_pin.cli.options import (
+    ArmArgument,
+    ArmatureOption,
+    GravityOption,
+    JsonOption,
+    LockOption,
+    PayloadOption,
+    open_domain,
+)
+from asmc_pin.disk.files import check_readable
+from asmc_pin.errors import ParameterError
+
+
+@app.command()
+def check(
+    certificate: Annotated[str, typer.Argument(metavar="CERTIFICATE", help="A file of 'verify --certificate'.")],
+    as_json: JsonOption = False,
+) -> None:
+    """Replay a certificate by two other routes.
+
+    Exit status 0: the certificate is valid and its M̄ proven; 1: not valid, or valid and a counter-example to its M̄,
+    the text says which; 2: unreadable as a certificate; 3: valid, and its M̄ undecided.
+    """
+    check_readable(certificate, "the certificate")
+    from asmc_pin.condition.checker import check as run
+
+    with progress_bar() as progress:
+        result = run(certificate, progress=progress)
+    if as_json:
+        print_json(result.to_json_dict())
+    else:
+        say(*result.lines())
+    raise typer.Exit(1 if result.verdict is None else EXIT[result.verdict])
+
+
+@app.command()
+def agree(
+    arm: ArmArgument,
+    payload: PayloadOption = None,
+    armature: ArmatureOption = None,
+    lock: LockOption = None,
+    gravity: GravityOption = None,
+    seed: Annotated[int, typer.Option(min=0, help="Of the configurations and torques.")] = 0,
+    as_json: JsonOption = False,
+) -> None:
+    """Compare an arm's dynamics with MuJoCo, which reads the same URDF text. Exit status 1 when they disagree."""
+    loaded, ranges = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
+    if ranges:
+        raise ParameterError(f"--{next(iter(ranges))}", "one value expected here, not a range")
+    from asmc_pin.agreement import agree as run
+
+    report = run(loaded, seed=seed)
+    if as_json:
+        print_json(report.to_json_dict())
+    else:
+        say(*report.lines())
+    raise typer.Exit({"agrees": 0, "disagrees": 1, "not compared": 3}[report.verdict])
+
+
+@app.command()
+def reproduce(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[NAME]...", help="Some of the paper's experiments.")
+    ] = None,
+    out: Annotated[
+        str, typer.Option(metavar="DIR", help="Folder of the page and the results.")
+    ] = "results/reproduction",
+    force: Annotated[bool, typer.Option("--force", help="Replace results that are there already.")] = False,
+    search: Annotated[bool, typer.Option("--search/--no-search", help="Try other readings of units and gains.")] = True,
+    tune: Annotated[bool, typer.Option("--tune", help="Tune the laws anew first (long), into DIR/tuned.")] = False,
+    docs: Annotated[str | None, typer.Option(metavar="DIR", help="Write the page into this folder as well.")] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Run the paper's experiments, as printed and as reconciled, and set its figures beside what is measured."""
+    from asmc_pin.reproduction.printed_tables import known
+
+    known(names)
+    announce_compiling()
+    from asmc_pin.reproduction.reproducing import reproduce as run
+
+    with progress_bar() as progress:
+        done = run(names, out, force=force, search=search, tune=tune, docs=docs, progress=progress)
+    if as_json:
+        print_json(done.to_json_dict())
+    else:
+        say(*done.lines())

@@ -1,0 +1,185 @@
+"""The best M̄: least norm, or fastest estimate, over boxes, payloads and armatures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, TypeAlias, get_args
+
+import numpy as np
+
+from asmc_pin.clock import Clock
+from asmc_pin.condition.best_mbar.convex_program import Bounds, Form
+from asmc_pin.condition.best_mbar.design_report import DesignPoint, DesignReport
+from asmc_pin.condition.best_mbar.exchange import Active, Exchanged, exchange
+from asmc_pin.condition.best_mbar.limits_of_mbar import limits_of, other_condition, what_armature_buys
+from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases
+from asmc_pin.condition.domain.joint_box import BoxLike
+from asmc_pin.condition.norm.two_conditions import Condition, check_condition
+from asmc_pin.condition.premises import hypotheses_of
+from asmc_pin.condition.verifying import verify
+from asmc_pin.errors import ParameterError
+from asmc_pin.words.choices import Objective as Objective
+
+if TYPE_CHECKING:
+    from asmc_pin.arms import Arm
+
+
+BoundsLike: TypeAlias = "tuple[float | None, float | None] | Mapping[str, tuple[float | None, float | None]] | None"
+"""(least, largest) m̄ of every joint, or joint to such a pair; None where there is no bound, kg·m²."""
+
+MARGIN = 0.1
+"""Share of the least norm's distance from 1 that `bandwidth` keeps unless told a level."""
+
+_TRADE_OFF = (0.5, 0.25)
+
+
+def design(
+    arm: Arm,
+    *,
+    condition: Condition = "lemma1",
+    objective: Objective = "contraction",
+    form: Form = "diagonal",
+    bounds: BoundsLike = None,
+    level: float | None = None,
+    box: BoxLike = None,
+    payload: PayloadRange = None,
+    armature: ArmatureRange = None,
+    lock: LockChoices = None,
+    explain: bool = True,
+    seed: int = 0,
+) -> DesignReport:
+    """Find M̄ by a convex program with an exchange of worst configurations.
+
+    The program sees a few configurations and so bounds from below what any M̄ can reach; the search over the whole box
+    says what its M̄ is worth. They meet to a thousandth of 1 − γ, or the report shows how far apart they stayed.
+
+    Args:
+        arm: The arm.
+        condition: ``lemma1`` or ``weighted``.
+        objective: ``contraction``: least norm. ``bandwidth``: largest guaranteed λ_min(M⁻¹M̄) with a norm of at most
+            `level`; the M̄ of least norm can leave a joint with a slow estimate.
+        form: ``diagonal``: one value per joint. ``scalar``: M̄ = m·I.
+        bounds: See `BoundsLike`.
+        level: Largest norm that ``bandwidth`` allows, below 1; default 1 − 0.1 (1 − the least norm).
+        box: Joint box, as for `verify`.
+        payload: As for `verify`.
+        armature: As for `verify`.
+        lock: As for `verify`.
+        explain: Also find the other objective and their trade-off, what armature would buy, and what the weighted
+            condition would allow.
+        seed: Of the searches.
+
+    Returns:
+        The report; its verdict is ``infeasible`` where no M̄ within the bounds satisfies the condition.
+
+    Raises:
+        ParameterError: Malformed options.
+        ArmError: A prismatic joint has no range.
+    """
+    clock = Clock()
+    condition = check_condition(condition)
+    for name, value, known in (("objective", objective, get_args(Objective)), ("form", form, get_args(Form))):
+        if value not in known:
+            raise ParameterError(name, f"'{value}' given, one of {', '.join(known)} expected")
+    if level is not None and not 0.0 < level < 1.0:
+        raise ParameterError("level", f"{level:g} given, a norm between 0 and 1 expected")
+    all_cases = cases(arm, box, payload, armature, lock)
+    limits = read_bounds(all_cases[0].domain.arm, bounds, form)
+    active = Active([case.domain for case in all_cases], seed)
+    least = exchange(active, condition, limits)
+    if least is None or least.solution.value >= 1.0 - 1e-9:
+        return _infeasible(all_cases, condition, objective, form, limits, least, clock.seconds())
+    ceiling = 1.0 - MARGIN * (1.0 - least.norm) if level is None else level
+    fastest = None
+    if objective == "bandwidth" or explain:
+        fastest = exchange(active, condition, limits, ceiling)
+    chosen = least if objective == "contraction" else fastest
+    if chosen is None:
+        return _infeasible(all_cases, condition, objective, form, limits, least, clock.seconds())
+    mbar = chosen.solution.mbar
+    ranges: dict[str, Any] = {"box": box, "payload": payload, "armature": armature, "lock": lock}
+    check = verify(arm, mbar, condition=condition, seed=seed + 1000, samples=2**16, starts=128, **ranges)
+    curve = [point_of(least)]
+    extra: dict[str, Any] = {}
+    if explain:
+        for share in _TRADE_OFF:
+            between = 1.0 - share * (1.0 - least.norm)
+            if between < ceiling and (found := exchange(active, condition, limits, between)):
+                curve.append(point_of(found))
+        extra["armature_buys"] = what_armature_buys(all_cases, condition, limits, least, seed)
+        if condition == "lemma1":
+            extra["weighted"] = other_condition(all_cases, limits, mbar, seed)
+    if fastest is not None:
+        curve.append(point_of(fastest))
+    return DesignReport(
+        hypotheses=check.hypotheses,
+        objective=objective,
+        form=form,
+        bounds=(limits.lower, limits.upper),
+        verdict=check.verdict,
+        mbar=mbar,
+        check=check,
+        bound=least.solution.value,
+        bandwidth=chosen.bandwidth,
+        level=ceiling if objective == "bandwidth" else None,
+        rounds=chosen.rounds,
+        seconds=clock.seconds(),
+        limits=limits_of(all_cases, condition, chosen),
+        by_armature=least.solution.by_armature,
+        trade_off=tuple(curve),
+        **extra,
+    )
+
+
+def point_of(outcome: Exchanged) -> DesignPoint:
+    """What an outcome is worth."""
+    return DesignPoint(outcome.norm, outcome.bandwidth, outcome.solution.mbar)
+
+
+def read_bounds(arm: Arm, bounds: BoundsLike, form: Form) -> Bounds:
+    """Bounds on each m̄ᵢ, checked."""
+    lower, upper = np.zeros(arm.nv), np.full(arm.nv, np.inf)
+    given = bounds if isinstance(bounds, Mapping) else dict.fromkeys(arm.joint_names, bounds or (None, None))
+    for joint, ends in given.items():
+        if joint not in arm.joint_names:
+            known = ", ".join(arm.joint_names)
+            raise ParameterError("bounds", f"'{joint}' is not a joint of {arm.name}; its joints: {known}")
+        try:
+            low, high = (
+                fallback if end is None else float(end) for end, fallback in zip(ends, (0.0, np.inf), strict=True)
+            )
+        except (TypeError, ValueError):
+            raise ParameterError("bounds", f"{ends!r} given for joint '{joint}', (least, largest) expected") from None
+        if not (0.0 <= low <= high) or high == 0.0 or np.isinf(low):
+            raise ParameterError("bounds", f"{low:g}:{high:g} for joint '{joint}': no positive m̄ lies between")
+        lower[arm.joint_names.index(joint)], upper[arm.joint_names.index(joint)] = low, high
+    if form == "scalar" and lower.max() > upper.min():
+        raise ParameterError("bounds", f"no single m̄ lies between {lower.max():g} and {upper.min():g}")
+    return Bounds(lower, upper, form)
+
+
+def _infeasible(
+    all_cases: list[Case],
+    condition: Condition,
+    objective: Objective,
+    form: Form,
+    limits: Bounds,
+    least: Exchanged | None,
+    seconds: float,
+) -> DesignReport:
+    return DesignReport(
+        hypotheses=hypotheses_of(all_cases, None, condition),
+        objective=objective,
+        form=form,
+        bounds=(limits.lower, limits.upper),
+        verdict="infeasible",
+        mbar=None,
+        check=None,
+        bound=least.solution.value if least else None,
+        bandwidth=None,
+        level=None,
+        rounds=least.rounds if least else 0,
+        seconds=seconds,
+        limits=limits_of(all_cases, condition, least) if least else (),
+        by_armature=least.solution.by_armature if least else None,
+    )

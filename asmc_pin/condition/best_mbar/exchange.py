@@ -1,0 +1,174 @@
+"""The exchange of worst configurations: design on a few, search for the worst, add it, repeat.
+
+Samples alone are too kind (an M̄ found on 4,000 of them had a true sup of 0.996 where they said 0.966), so every round
+searches the box by local maximisation and takes in all the distinct local maxima that the program had not seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from asmc_pin._typing import Array, IntArray
+from asmc_pin.condition.best_mbar.convex_program import Bounds, Solution, bandwidth_program, contraction_program
+from asmc_pin.condition.norm import compiled_norms
+from asmc_pin.condition.norm.two_conditions import Condition
+from asmc_pin.condition.search.samples import NORM, Domain, sample_box
+from asmc_pin.condition.search.worst_case import Found, maximise
+
+TOLERANCE = 1e-3
+"""Of 1 − γ (or of μ): how far the searched worst case may lie from the program's bound at the end."""
+
+_SAMPLES, _STARTS, _FIRST, _TAKEN, _ROUNDS, _CONFIRMING = 2048, 24, 12, 8, 60, 6
+
+
+@dataclass(eq=False)
+class Active:
+    """The configurations that the program knows, shared between programs on the same domains.
+
+    Attributes:
+        domains: One per payload end and lock choice.
+        masses: M_j, shape (configurations, nv, nv).
+        q: Their configurations, shape (configurations, nv).
+        armature: Their armatures, shape (configurations, nv).
+        case: Index of their domain, shape (configurations,).
+    """
+
+    domains: Sequence[Domain]
+    seed: int
+    masses: Array = field(init=False)
+    q: Array = field(init=False)
+    armature: Array = field(init=False)
+    case: IntArray = field(init=False)
+
+    def __post_init__(self) -> None:
+        nv = self.domains[0].arm.nv
+        self.masses, self.q, self.armature = np.empty((0, nv, nv)), np.empty((0, nv)), np.empty((0, nv))
+        self.case = np.empty(0, dtype=np.int64)
+        for index, domain in enumerate(self.domains):
+            q = sample_box(domain.box, _FIRST, self.seed)
+            self.add(index, q, np.tile(domain.armature_lower, (_FIRST, 1)))
+
+    def add(self, case: int, q: Array, armature: Array) -> None:
+        """Take in configurations of one domain."""
+        arm = self.domains[case].arm
+        extra = armature - arm.armature
+        masses = arm.mass_matrix(q) + np.einsum("bi,ij->bij", extra, np.eye(arm.nv))
+        self.masses = np.concatenate((self.masses, masses))
+        self.q = np.concatenate((self.q, q))
+        self.armature = np.concatenate((self.armature, armature))
+        self.case = np.concatenate((self.case, np.full(len(q), case)))
+
+    def keep(self, which: IntArray) -> None:
+        """Forget the others."""
+        self.masses, self.q, self.armature = self.masses[which], self.q[which], self.armature[which]
+        self.case = self.case[which]
+
+
+@dataclass(frozen=True, eq=False)
+class Exchanged:
+    """What an exchange ended with.
+
+    Attributes:
+        solution: Of the last program; its value bounds what any M̄ within the bounds can reach.
+        norm: Largest norm that the search found for its M̄.
+        bandwidth: Smallest λ_min(M⁻¹M̄) that the search found.
+        rounds: Programs solved.
+        configurations: Configurations evaluated by the searches.
+        masses: What the last program knew: inertia matrices, shape (known, nv, nv), in the order of its weights.
+        q: Their configurations, shape (known, nv).
+        case: Index of their domain, shape (known,).
+    """
+
+    solution: Solution
+    norm: float
+    bandwidth: float
+    rounds: int
+    configurations: int
+    masses: Array
+    q: Array
+    case: IntArray
+
+
+def exchange(active: Active, condition: Condition, bounds: Bounds, level: float | None = None) -> Exchanged | None:
+    """Solve a design over whole domains.
+
+    Args:
+        active: Configurations to begin with; left with those that limit.
+        condition: ``lemma1`` or ``weighted``.
+        bounds: What M̄ may be.
+        level: None: least norm. Else: largest λ_min(M⁻¹M̄) with a norm of at most this.
+
+    Returns:
+        The outcome, None where even the configurations known so far leave no M̄.
+    """
+    configurations, effort = 0, 1
+    best: Exchanged | None = None
+    for count in range(1, _ROUNDS + 1):
+        if level is None:
+            solution = contraction_program(active.masses, condition, bounds)
+        else:
+            solution = bandwidth_program(active.masses, condition, bounds, level)
+        if solution is None:
+            return best
+        goal = solution.value if level is None else level
+        # Configurations far from limiting only cost time; the search brings them back if they come to matter.
+        if len(active.q) > 60:
+            few = np.argsort(-solution.weights)[:40]
+            active.keep(few)
+            solution = replace(solution, weights=solution.weights[few])
+        snapshot = active.masses, active.q, active.case
+        norm, bandwidth, new = 0.0, np.inf, 0
+        for index, domain in enumerate(active.domains):
+            seed = active.seed + 1 + count
+            known = active.q[active.case == index], active.armature[active.case == index]
+            found = maximise(
+                NORM[condition],
+                domain,
+                solution.mbar,
+                samples=effort * _SAMPLES,
+                starts=effort * _STARTS,
+                seed=seed,
+                also=known,
+            )
+            norm = max(norm, found.value)
+            new += _take(active, index, found, goal + 0.1 * TOLERANCE * abs(1.0 - goal))
+            configurations += found.configurations
+            slow = maximise(
+                compiled_norms.BANDWIDTH,
+                domain,
+                solution.mbar,
+                samples=_SAMPLES // 4,
+                starts=_STARTS // 4,
+                seed=seed,
+                also=known,
+            )
+            bandwidth = min(bandwidth, -slow.value)
+            configurations += slow.configurations
+            if level is not None:
+                new += _take(active, index, slow, -solution.value * (1.0 - 0.1 * TOLERANCE))
+        now = Exchanged(solution, norm, bandwidth, count, configurations, *snapshot)
+        best = now
+        met = norm - goal <= TOLERANCE * abs(1.0 - goal) + 1e-9
+        if level is not None:
+            met = met and bandwidth >= solution.value * (1.0 - TOLERANCE)
+        if met and effort > 1:
+            return now
+        # A wider search has the last word; what it finds is taken in like the rest.
+        effort = _CONFIRMING if met or new == 0 else 1
+    return best
+
+
+def _take(active: Active, case: int, found: Found, above: float) -> int:
+    """Add the distinct local maxima above a value, the highest first; how many were added."""
+    order = np.argsort(-found.maxima)
+    order = order[found.maxima[order] > above]
+    if not order.size:
+        return 0
+    # Mirror images have the same value and, up to signs, the same inertia: one of them is enough.
+    distinct = np.concatenate(([True], np.diff(-found.maxima[order]) > 1e-7 * np.abs(found.maxima[order[1:]])))
+    chosen = order[distinct][:_TAKEN]
+    active.add(case, found.maxima_q[chosen], found.maxima_armature[chosen])
+    return len(chosen)

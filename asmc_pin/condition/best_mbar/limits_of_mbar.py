@@ -1,0 +1,105 @@
+"""Why the best M̄ is no better: what limits it, and what would help."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from asmc_pin._typing import Array
+from asmc_pin.condition.best_mbar.convex_program import Bounds
+from asmc_pin.condition.best_mbar.design_report import ArmaturePurchase, DesignLimit, DesignPoint, WeightedDesign
+from asmc_pin.condition.best_mbar.exchange import Active, Exchanged, exchange
+from asmc_pin.condition.domain.arm_ranges import Case
+from asmc_pin.condition.norm import compiled_norms
+from asmc_pin.condition.norm.two_conditions import Condition
+from asmc_pin.condition.search.samples import NORM, Domain
+from asmc_pin.condition.search.worst_case import maximise
+
+_SHARE = 0.1
+"""Of a joint's median inertia: the armature that `what_armature_buys` adds."""
+
+
+def limits_of(
+    all_cases: Sequence[Case], condition: Condition, outcome: Exchanged, most: int = 4
+) -> tuple[DesignLimit, ...]:
+    """The configurations with the largest multipliers.
+
+    Args:
+        all_cases: What was designed for.
+        condition: ``lemma1`` or ``weighted``.
+        outcome: Of the exchange.
+        most: How many at most; those below a hundredth of all multipliers are left out.
+
+    Returns:
+        The limits, strongest first.
+    """
+    weights = outcome.solution.weights / max(float(outcome.solution.weights.sum()), 1e-300)
+    found = []
+    for index in np.argsort(-weights)[:most]:
+        if weights[index] < 0.01:
+            break
+        mass, mbar = outcome.masses[index], np.array(outcome.solution.mbar)
+        left, right = np.empty(len(mbar)), np.empty(len(mbar))
+        norm, factor = compiled_norms.extreme(NORM[condition], mass, mbar, left, right)
+        larger, _ = compiled_norms.extreme(
+            NORM[condition], mass, mbar * (1.0 + 1e-6), np.empty(len(mbar)), np.empty(len(mbar))
+        )
+        case = all_cases[outcome.case[index]]
+        # The joint whose own inertia, changed by the same share of itself, moves the norm most.
+        joint = int(np.argmax(np.abs(factor * left * right) * np.diag(mass)))
+        found.append(
+            DesignLimit(
+                q=outcome.q[index],
+                share=float(weights[index]),
+                joint=case.domain.arm.joint_names[joint],
+                side="small" if larger < norm else "large",
+                case=case.label,
+            )
+        )
+    return tuple(found)
+
+
+def what_armature_buys(
+    all_cases: Sequence[Case], condition: Condition, bounds: Bounds, least: Exchanged, seed: int
+) -> tuple[ArmaturePurchase, ...]:
+    """The least norm after adding a tenth of its own median inertia to the most promising joint, and to every joint.
+
+    Reflected inertia is the rotor's times the gear ratio squared, so this is what gearing or a heavier rotor would buy.
+    """
+    typical = np.median(np.diagonal(least.masses, axis1=1, axis2=2), axis=0)
+    gain = -least.solution.by_armature * typical
+    names = all_cases[0].domain.arm.joint_names
+    found = []
+    for where, joints in (
+        (f"'{names[int(np.argmax(gain))]}'", [int(np.argmax(gain))]),
+        ("every joint", list(range(len(names)))),
+    ):
+        added = np.zeros(len(names))
+        added[joints] = _SHARE * typical[joints]
+        domains = [
+            replace(d, armature_lower=d.armature_lower + added, armature_upper=d.armature_upper + added)
+            for d in (case.domain for case in all_cases)
+        ]
+        outcome = exchange(Active(domains, seed), condition, bounds)
+        if outcome is not None:
+            found.append(ArmaturePurchase(where, added, outcome.norm))
+    return tuple(found)
+
+
+def other_condition(all_cases: Sequence[Case], bounds: Bounds, mbar: Array, seed: int) -> WeightedDesign | None:
+    """What the weighted condition would allow where Lemma 1 gave `mbar`."""
+    domains = [case.domain for case in all_cases]
+    least = exchange(Active(domains, seed), "weighted", bounds)
+    if least is None:
+        return None
+    largest = max(_worst(compiled_norms.WEIGHTED_SCALE, domain, mbar, seed) for domain in domains)
+    lemma1 = min(-_worst(compiled_norms.LEMMA1_SCALE, domain, mbar, seed) for domain in domains)
+    return WeightedDesign(
+        DesignPoint(least.norm, least.bandwidth, least.solution.mbar), 2.0 / largest, max(lemma1, 0.0)
+    )
+
+
+def _worst(kind: int, domain: Domain, mbar: Array, seed: int) -> float:
+    return maximise(kind, domain, mbar, samples=8192, seed=seed).value

@@ -1,0 +1,212 @@
+"""The arm of a certificate in floating point, for the replay of the boxes; rounded once, from balls."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from flint import arb, arb_mat, ctx
+
+from asmc_pin._typing import Array, BoolArray, IntArray
+from asmc_pin.condition.checker.balls.ball_geometry import about, column, normalised, rotation, still, symmetric
+from asmc_pin.condition.checker.reading.certificate_schema import Load
+from asmc_pin.condition.checker.reading.urdf_text import Description, Joint, Unreadable
+from asmc_pin.words.text import printable
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """Moving joints with what they carry; twists are (angular, linear) at the joint's frame.
+
+    Attributes:
+        parent: Shape (n,), −1 for the base.
+        place: Pose of the joint's frame in its parent's at zero, shape (n, 4, 4).
+        axis: Unit axis in the joint's frame, shape (n, 3).
+        slides: Prismatic, shape (n,).
+        inertia: Spatial inertia of all that moves with the joint, shape (n, 6, 6).
+    """
+
+    parent: IntArray
+    place: Array
+    axis: Array
+    slides: BoolArray
+    inertia: Array
+
+    @property
+    def subspace(self) -> Array:
+        """Twist per unit velocity of each joint, in its frame, shape (n, 6)."""
+        still = np.zeros_like(self.axis)
+        turning = np.concatenate((self.axis, still), axis=1)
+        sliding = np.concatenate((still, self.axis), axis=1)
+        return np.where(self.slides[:, None], sliding, turning)
+
+    def transform(self, i: int, q: Array) -> Array:
+        """Motion transform of joint i from its parent's frame to its own, q (...), result (..., 6, 6)."""
+        placed = self.place[i]
+        q = np.asarray(q, dtype=np.float64)
+        if self.slides[i]:
+            rotation = np.broadcast_to(placed[:3, :3], (*q.shape, 3, 3))
+            origin = placed[:3, 3] + (placed[:3, :3] @ self.axis[i]) * q[..., None]
+        else:
+            # R = placed · exp(q axis×), by the series that ends: 1 + sin q K + (1 − cos q) K².
+            K = cross(self.axis[i])
+            half = np.sin(0.5 * q)[..., None, None]
+            rotation = placed[:3, :3] @ (np.eye(3) + np.sin(q)[..., None, None] * K + 2.0 * half * half * (K @ K))
+            origin = np.broadcast_to(placed[:3, 3], (*q.shape, 3))
+        back = np.swapaxes(rotation, -1, -2)
+        X = np.zeros((*q.shape, 6, 6))
+        X[..., :3, :3] = X[..., 3:, 3:] = back
+        X[..., 3:, :3] = -back @ cross(origin)
+        return X
+
+    def jacobians(self, q: Array) -> Array:
+        """Twist of each joint's body, in its frame, by joint velocities: q (..., n), result (..., n, 6, n)."""
+        n = self.parent.size
+        J = np.zeros((*q.shape[:-1], n, 6, n))
+        subspace = self.subspace
+        for i in range(n):
+            if self.parent[i] >= 0:
+                J[..., i, :, :] = self.transform(i, q[..., i]) @ J[..., self.parent[i], :, :]
+            J[..., i, :, i] += subspace[i]
+        return J
+
+    def mass_matrix(self, q: Array, armature: Array) -> Array:
+        """M(q) as the sum of every body's Jᵀ I J, q (..., n), result (..., n, n)."""
+        J = self.jacobians(q)
+        return np.asarray(np.einsum("...kai,kab,...kbj->...ij", J, self.inertia, J)) + np.diag(armature)
+
+
+def cross(v: Array) -> Array:
+    """The matrix of v ×, v (..., 3), result (..., 3, 3)."""
+    out = np.zeros((*v.shape[:-1], 3, 3))
+    out[..., 0, 1], out[..., 0, 2], out[..., 1, 2] = -v[..., 2], v[..., 1], -v[..., 0]
+    return out - np.swapaxes(out, -1, -2)
+
+
+def chain_of(robot: Description, joints: Sequence[str], locked: Mapping[str, float], payload: Load | None) -> Chain:
+    """The chain of a robot's moving joints: each of its numbers is the nearest float to what the decimals say.
+
+    Poses that cancel, or a centre of mass far from its joint, would cost digits in floating point that no allowance for
+    rounding speaks of; so everything up to here is done in balls.
+
+    Args:
+        robot: The robot.
+        joints: Names of the moving joints, in the order of the certificate, base first.
+        locked: Joints held rigid, and where, rad (m where prismatic).
+        payload: What is fastened to a link of it.
+
+    Returns:
+        The chain.
+
+    Raises:
+        Unreadable: The robot does not have these joints, or others that move.
+    """
+    with ctx.workprec(_BITS):
+        return _Reader(robot, joints, locked, payload).chain()
+
+
+_BITS = 256
+_SURE = 1e-15
+"""Largest share of a number that its ball may leave open."""
+
+
+class _Reader:
+    """Walks a robot from its root, carrying poses in balls."""
+
+    def __init__(
+        self, robot: Description, joints: Sequence[str], locked: Mapping[str, float], payload: Load | None
+    ) -> None:
+        if payload is not None and payload.link not in robot.bodies:
+            raise Unreadable(f"the payload is on link '{printable(payload.link)}', which the URDF does not have")
+        self._robot, self._locked, self._payload = robot, locked, payload
+        self._index = {name: i for i, name in enumerate(joints)}
+        n = len(joints)
+        self._parent = np.full(n, -2, dtype=np.int64)
+        self._slides = np.zeros(n, dtype=np.bool_)
+        self._place, self._axis = np.zeros((n, 4, 4)), np.zeros((n, 3))
+        self._inertia = [arb_mat(6, 6) for _ in range(n)]
+        self._held: set[str] = set()
+
+    def chain(self) -> Chain:
+        waiting = [(self._robot.root, -1, *still())]
+        while waiting:
+            name, body, turn, place = waiting.pop()
+            if body >= 0:
+                self._inertia[body] += self._carried(name, turn, place)
+            children = self._robot.children.get(name, ())
+            waiting += [(joint.child, *self._beyond(joint, body, turn, place)) for joint in children]
+        if np.any(self._parent == -2) or np.any(self._parent >= np.arange(self._parent.size)):
+            raise Unreadable("the certificate's joints are not the URDF's, base first")
+        if self._held != set(self._locked):
+            raise Unreadable("the certificate locks joints that the URDF does not have")
+        inertia = np.array([_floats(matrix) for matrix in self._inertia])
+        return Chain(self._parent, self._place, self._axis, self._slides, inertia)
+
+    def _beyond(self, joint: Joint, body: int, turn: arb_mat, place: arb_mat) -> tuple[int, arb_mat, arb_mat]:
+        """The body that a joint's child moves with, and the child's pose in that body's frame."""
+        at = place + turn * column(joint.pose.xyz)
+        turned = turn * rotation(joint.pose)
+        if joint.kind == "fixed":
+            return body, turned, at
+        along, slides = normalised(joint.axis), joint.kind == "prismatic"
+        if joint.name in self._index:
+            if joint.mimics:
+                raise Unreadable(f"joint '{joint.name}' of the URDF follows another joint")
+            i = self._index[joint.name]
+            self._parent[i], self._slides[i] = body, slides
+            self._axis[i] = _floats(along)[:, 0]
+            self._place[i, :3, :3], self._place[i, :3, 3], self._place[i, 3, 3] = (
+                _floats(turned),
+                _floats(at)[:, 0],
+                1.0,
+            )
+            return i, *still()
+        if joint.name not in self._locked:
+            raise Unreadable(f"joint '{joint.name}' of the URDF moves, and the certificate neither moves nor locks it")
+        self._held.add(joint.name)
+        by = arb(self._locked[joint.name])
+        return (body, turned, at + turned * along * by) if slides else (body, turned * about(along, by), at)
+
+    def _carried(self, name: str, turn: arb_mat, place: arb_mat) -> arb_mat:
+        """Spatial inertia of a link and of the payload on it, in the frame of the body that it moves with."""
+        total = arb_mat(6, 6)
+        own = self._robot.bodies[name]
+        if own is not None:
+            turned = turn * rotation(own.pose)
+            tensor = turned * symmetric([arb(x) for x in own.inertia]) * turned.transpose()
+            total += _spatial(arb(own.mass), place + turn * column(own.pose.xyz), tensor)
+        if self._payload is not None and self._payload.link == name:
+            load = self._payload
+            tensor = turn * symmetric([arb(x) for x in load.inertia]) * turn.transpose()
+            total += _spatial(arb(load.mass), place + turn * arb_mat(3, 1, [arb(x) for x in load.com]), tensor)
+        return total
+
+
+def _floats(matrix: arb_mat) -> Array:
+    """The nearest floats to a matrix of balls.
+
+    Raises:
+        Unreadable: The balls are too wide to say.
+    """
+    out = np.empty((matrix.nrows(), matrix.ncols()))
+    for i, j in np.ndindex(*out.shape):
+        value = matrix[i, j]
+        out[i, j] = float(value.mid())
+        if not float(value.rad()) <= _SURE * abs(out[i, j]) + 1e-40:
+            raise Unreadable("the numbers of the URDF cancel so far that nothing is left of them")
+    return out
+
+
+def _spatial(mass: arb, com: arb_mat, about_com: arb_mat) -> arb_mat:
+    """Spatial inertia at the frame's origin: kinetic energy of a body as a form of its twist."""
+    x, y, z = (com[k, 0] for k in range(3))
+    c = arb_mat([[arb(0), -z, y], [z, arb(0), -x], [-y, x, arb(0)]])
+    turning = about_com + c * c.transpose() * mass
+    rows = [[arb(0)] * 6 for _ in range(6)]
+    for i in range(3):
+        rows[3 + i][3 + i] = mass
+        for j in range(3):
+            rows[i][j] = turning[i, j]
+            rows[i][3 + j] = rows[3 + j][i] = mass * c[i, j]
+    return arb_mat(rows)

@@ -1,0 +1,157 @@
+"""`asmc-pin check`: replays a certificate by two other routes.
+
+The file is believed in nothing. A strict schema reads it (`contents`); the arm comes from the URDF's text
+(`urdf_text`), and what is proven is said of that arm (`subject`); the cells are counted as integers (`bisection`);
+every cell is proven anew by other arithmetic (`box_bounds`); some, the hardest among them, are put to the condition
+itself in ball arithmetic (`spot_checks`); and what follows is derived from the statements (`conclusions`).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from asmc_pin.condition.certificate.container import Container, digest, read
+from asmc_pin.condition.checker.balls.balls import BallArm
+from asmc_pin.condition.checker.balls.witness import witness
+from asmc_pin.condition.checker.boxes.bisection import Broken
+from asmc_pin.condition.checker.boxes.statements import replay_statement
+from asmc_pin.condition.checker.conclusions import Conclusion, conclude, disagreements
+from asmc_pin.condition.checker.outcome import CheckedStatement, CheckResult
+from asmc_pin.condition.checker.reading.certificate_schema import Contents, Malformed, contents
+from asmc_pin.condition.checker.reading.link_chain import Chain, chain_of
+from asmc_pin.condition.checker.reading.subject import Subject, subject
+from asmc_pin.condition.checker.reading.urdf_text import Unreadable, description
+
+_SAME = 1e-9
+"""How far the inertia matrices that the certificate states may be from those of the URDF in it."""
+
+_MOST_BODIES = 100_000
+"""Links of all different arms of a certificate together."""
+
+_UNSOUND = (Malformed, Unreadable, Broken)
+"""What a file that is no valid certificate comes to, with a message."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Arms:
+    """The arm of each case, for either arithmetic."""
+
+    chains: list[Chain]
+    balls: list[BallArm]
+    about: Subject
+
+
+def check(path: str | Path, *, progress: Callable[[str, float], None] | None = None) -> CheckResult:
+    """Replay a certificate.
+
+    Args:
+        path: The file that `CertificateResult.save` wrote.
+        progress: Called with what is being done and the share of it that is done.
+
+    Returns:
+        Whether it is valid, and why not.
+
+    Raises:
+        ResultError: No such file, or no certificate at all.
+    """
+    began = time.perf_counter()
+    container = read(path)
+    problems: list[str] = []
+    checked: list[CheckedStatement] = []
+    about: Subject | None = None
+    conclusion: Conclusion | None = None
+    try:
+        told = contents(container.header)
+        problems += _fingerprints(container, told)
+        # Numbers of any size may stand in a stranger's file; what overflows proves nothing.
+        with np.errstate(all="ignore"):
+            arms = _arms(told, container.urdf)
+            about = arms.about
+            found = conclude(told, witness(told, arms.balls, arms.chains))
+            problems += disagreements(told, found)
+            # What fails already is not worth the hours that its proof may take.
+            if not problems:
+                problems += _statements(container, told, arms, checked, progress)
+        conclusion = found if not problems else None
+    except (np.linalg.LinAlgError, ArithmeticError) as error:
+        problems.append(f"its numbers cannot be evaluated ({error})")
+    except _UNSOUND as error:
+        problems.append(str(error))
+    return CheckResult(
+        path=str(path),
+        valid=conclusion is not None,
+        problems=tuple(problems),
+        hypotheses=about.hypotheses if about is not None and conclusion is not None else None,
+        conclusion=conclusion,
+        statements=tuple(checked),
+        seconds=time.perf_counter() - began,
+    )
+
+
+def _fingerprints(container: Container, told: Contents) -> list[str]:
+    """Whether the file is as it was written, and the URDF the one it was written for."""
+    found = []
+    if digest(container.header, container.urdf, container.records) != told.digest:
+        found.append("the file is not as it was written: its digest is another")
+    if hashlib.sha256(container.urdf.encode()).hexdigest() != told.urdf_sha256:
+        found.append("the URDF in the file is not the one whose hash it gives")
+    if len(container.records) != len(told.statements):
+        found.append(f"{len(told.statements)} statements, but {len(container.records)} records of proofs")
+    return found
+
+
+def _arms(told: Contents, urdf: str) -> _Arms:
+    """The arm of each case from the URDF's text, compared with inertia matrices that the prover's arm had.
+
+    Raises:
+        Unreadable: It cannot be read, or is another arm.
+        Malformed: The cases are no ranges.
+    """
+    robot = description(urdf)
+    chains, balls = [], []
+    known: dict[tuple[object, ...], Chain] = {}
+    for case in told.cases:
+        key = (*sorted(case.locked.items()), case.load)
+        if key not in known:
+            if (len(known) + 1) * len(robot.bodies) > _MOST_BODIES:
+                raise Unreadable(f"its cases have more than {_MOST_BODIES} links together")
+            known[key] = chain_of(robot, told.joints, case.locked, case.load)
+        chain = known[key]
+        mass = np.array(case.sample_mass)
+        ours = chain.mass_matrix(np.array(case.sample_q), np.zeros(len(told.joints)))
+        if not np.abs(ours - mass).max() <= _SAME * np.abs(mass).max():
+            raise Unreadable("the URDF in the file, read anew, is another arm than the one that the proof is of")
+        chains.append(chain)
+        balls.append(BallArm(robot, told.joints, case.locked, case.load))
+    return _Arms(chains, balls, subject(told, urdf, robot, chains[0]))
+
+
+def _statements(
+    container: Container,
+    told: Contents,
+    arms: _Arms,
+    checked: list[CheckedStatement],
+    progress: Callable[[str, float], None] | None,
+) -> list[str]:
+    """Prove all statements again; what is wrong with the first that fails."""
+    count = len(told.statements)
+    for number, (statement, record) in enumerate(zip(told.statements, container.records, strict=True)):
+        label = f"statement {number + 1} of {count}"
+
+        def tell(share: float, label: str = label) -> None:
+            if progress is not None:
+                progress(label, share)
+
+        case = statement.case
+        chain, balls, words = arms.chains[case], arms.balls[case], arms.about.labels[case]
+        result, problem = replay_statement(told, statement, record, chain, balls, words, number, tell)
+        checked.append(result)
+        if problem:
+            return [f"{label}: {problem}"]
+    return []

@@ -1,0 +1,249 @@
+"""The worst configuration, searched: low-discrepancy samples, then local maximisation with exact gradients.
+
+A search gives a value that some configuration really has. It refutes; it never proves.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from asmc_pin._typing import Array, BoolArray, IntArray
+from asmc_pin.condition.domain.joint_box import BoxLike
+from asmc_pin.condition.norm import compiled_norms
+from asmc_pin.condition.norm.two_conditions import Condition, check_condition, check_mbar
+from asmc_pin.condition.search import compiled_climb
+from asmc_pin.condition.search.samples import NORM, SCALE, Domain, domain_of, evaluate, sample_box
+from asmc_pin.errors import ParameterError
+
+if TYPE_CHECKING:
+    from asmc_pin.arms import Arm
+
+GUIDES = {
+    compiled_norms.LEMMA1: (compiled_norms.LEMMA1_SCALE, compiled_norms.WEIGHTED_SCALE, compiled_norms.BANDWIDTH),
+    compiled_norms.WEIGHTED: (compiled_norms.WEIGHTED_SCALE, compiled_norms.BANDWIDTH),
+    compiled_norms.LEMMA1_SCALE: (compiled_norms.LEMMA1, compiled_norms.WEIGHTED_SCALE),
+    compiled_norms.WEIGHTED_SCALE: (compiled_norms.LEMMA1,),
+    compiled_norms.BANDWIDTH: (compiled_norms.LEMMA1,),
+}
+"""Figures that are climbed first, and then the one that is asked for from where they end.
+
+A norm is the larger of a branch where M̄ is too small and one where it is too large. The first is often broad and flat
+and hides the second, narrow and higher, from the samples and from every climb that starts at the best of them.
+"""
+
+SAMPLES = 2**15
+STARTS = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a search found.
+
+    Attributes:
+        value: The largest value of the figure.
+        q: Where, shape (nv,).
+        armature: With which armature, shape (nv,), kg·m².
+        samples: The figure at the samples, shape (samples,).
+        configurations: How many configurations were evaluated, gradients included.
+        maxima: The figure at the end of every climb, shape (climbs,).
+        maxima_q: Where, shape (climbs, nv).
+        maxima_armature: With which armature, shape (climbs, nv).
+    """
+
+    value: float
+    q: Array
+    armature: Array
+    samples: Array
+    configurations: int
+    maxima: Array
+    maxima_q: Array
+    maxima_armature: Array
+
+
+def maximise(
+    kind: int,
+    domain: Domain,
+    mbar: Array,
+    *,
+    samples: int = SAMPLES,
+    starts: int = STARTS,
+    seed: int = 0,
+    threads: int = 1,
+    also: tuple[Array, Array] | None = None,
+) -> Found:
+    """Largest value of a figure over a domain, as far as a search can tell.
+
+    Samples the box, each with the armature at a random end of its range (the conditions are convex in the armature, so
+    an end is worst), then climbs, angles and armature together, from the best samples that are apart from each other,
+    from where climbs of other figures end (see `GUIDES`), and from some that were not chosen at all.
+
+    Args:
+        kind: `compiled_norms.LEMMA1` and its fellows; all are figures of which more is worse.
+        domain: What is varied.
+        mbar: Diagonal of M̄, shape (nv,).
+        samples: Number of samples.
+        starts: Number of local climbs.
+        seed: Of the samples.
+        threads: Worker threads of the sampling.
+        also: Further starts: configurations (count, nv) and their armatures (count, nv).
+
+    Returns:
+        What was found.
+    """
+    if samples < 1:
+        raise ParameterError("samples", f"{samples} given, at least 1 expected")
+    box, nv = domain.box, domain.arm.nv
+    q = sample_box(box, samples, seed)
+    lower, upper = domain.armature_lower, domain.armature_upper
+    ranged = np.flatnonzero(upper > lower)
+    if ranged.size:
+        ends = np.random.default_rng(seed).random((samples, nv)) < 0.5
+        armature = np.where(ends, lower, upper)
+    else:
+        armature = lower[None, :]
+    values = evaluate(kind, domain.arm, q, mbar, armature, threads)
+    configurations = samples
+    first = int(np.argmax(values))
+    best = (float(values[first]), q[first], armature[first % len(armature)])
+    climbed, where, carried = values[first : first + 1], q[first : first + 1], best[2][None]
+    if starts > 0 and (box.free.any() or ranged.size):
+        begin, begin_armature, calls = _starts(kind, domain, q, armature, mbar, values, starts)
+        if also is not None:
+            begin = np.concatenate((begin, also[0]))
+            begin_armature = np.concatenate((begin_armature, also[1]))
+        climbed, where, carried, more = _climb(kind, domain, mbar, begin, begin_armature)
+        configurations += calls + more
+        top = int(np.argmax(climbed))
+        if climbed[top] > best[0]:
+            best = (float(climbed[top]), where[top], carried[top])
+        if ranged.size:
+            # A climb may end on a plateau; the end of the range next to it is no better.
+            end = np.where(best[2] - lower > upper - best[2], upper, lower)
+            at_end = evaluate(kind, domain.arm, best[1][None], mbar, end)[0]
+            if at_end >= best[0] * (1.0 - 1e-12) - 1e-15:
+                best = (float(at_end), best[1], end)
+    return Found(best[0], box.wrap(best[1]), best[2], values, configurations, climbed, box.wrap(where), carried)
+
+
+def _starts(
+    kind: int, domain: Domain, q: Array, armature: Array, mbar: Array, values: Array, count: int
+) -> tuple[Array, Array, int]:
+    """Where to climb from: half of the best samples, a quarter unchosen, and where climbs of the guides end."""
+    free, periodic = domain.box.free, domain.box.periodic[domain.box.free]
+    chosen = _apart(q[:, free], values, (count + 1) // 2, periodic)
+    index = np.concatenate((chosen, np.arange(min((count + 1) // 4, len(q)))))
+    starts, carried, evaluations = [q[index]], [armature[index % len(armature)]], 0
+    few = min(len(q), 8192)
+    for guide in GUIDES[kind]:
+        other = evaluate(guide, domain.arm, q[:few], mbar, armature[:few])
+        index = _apart(q[:few, free], other, (count + 3) // 4, periodic)
+        _, where, with_armature, calls = _climb(guide, domain, mbar, q[index], armature[index % len(armature)])
+        starts.append(where)
+        carried.append(with_armature)
+        evaluations += few + calls
+    return np.concatenate(starts), np.concatenate(carried), evaluations
+
+
+def _apart(q: Array, values: Array, count: int, periodic: BoolArray) -> IntArray:
+    """Indices of the best samples, none within 0.4 rad (by the largest joint difference) of a better one."""
+    order = np.argsort(-values, kind="stable")[: 200 * count]
+    rest, points = order, q[order]
+    chosen: list[int] = []
+    while rest.size and len(chosen) < count:
+        chosen.append(int(rest[0]))
+        difference = np.abs(points - points[0])
+        difference = np.where(periodic, np.minimum(difference, 2.0 * np.pi - difference), difference)
+        # Without a free joint all samples are one.
+        far = difference.max(axis=1, initial=0.0) > 0.4
+        rest, points = rest[far], points[far]
+    return np.array(chosen, dtype=np.int64)
+
+
+def _climb(kind: int, domain: Domain, mbar: Array, q: Array, armature: Array) -> tuple[Array, Array, Array, int]:
+    """Local maxima from starts (count, nv): values, angles, armatures, evaluations."""
+    box = domain.box
+    lower = np.where(box.periodic, -np.inf, box.lower)
+    upper = np.where(box.periodic, np.inf, box.upper)
+    lower, upper = np.where(box.free, lower, box.centre), np.where(box.free, upper, box.centre)
+    width = domain.armature_upper - domain.armature_lower
+    share = (armature - domain.armature_lower) / np.where(width > 0.0, width, 1.0)
+    z = np.concatenate((q, share), axis=1)
+    values = np.empty(len(z))
+    bounds = np.concatenate((lower, 0.0 * width)), np.concatenate((upper, 1.0 * (width > 0.0)))
+    least = np.array(domain.armature_lower)
+    evaluations = compiled_climb.climb(kind, domain.chain, np.array(mbar), z, *bounds, least, width, values)
+    found = z[:, : mbar.size]
+    return values, found, domain.armature_lower + width * z[:, mbar.size :], int(evaluations)
+
+
+def search_worst(
+    arm: Arm,
+    mbar: Array,
+    condition: Condition = "lemma1",
+    box: BoxLike = None,
+    seed: int = 0,
+    *,
+    samples: int = SAMPLES,
+    starts: int = STARTS,
+    threads: int = 1,
+) -> tuple[float, Array]:
+    """Largest norm of a condition that a search finds, and where.
+
+    Args:
+        arm: The arm.
+        mbar: Diagonal of M̄, a number or nv of them, kg·m².
+        condition: ``lemma1`` (‖I − M⁻¹M̄‖₂) or ``weighted`` (max|1 − λ(M⁻¹M̄)|).
+        box: Joint box; see `BoxLike`.
+        seed: Of the samples.
+        samples: Number of samples.
+        starts: Number of local climbs.
+        threads: Worker threads.
+
+    Returns:
+        The norm and the configuration, shape (nv,), which has exactly that norm up to rounding.
+    """
+    kind = NORM[check_condition(condition)]
+    found = maximise(
+        kind, domain_of(arm, box), check_mbar(mbar, arm.nv), samples=samples, starts=starts, seed=seed, threads=threads
+    )
+    return found.value, found.q
+
+
+def scale_refuted(
+    arm: Arm,
+    mbar: Array,
+    condition: Condition = "lemma1",
+    box: BoxLike = None,
+    seed: int = 0,
+    *,
+    samples: int = SAMPLES,
+    starts: int = STARTS,
+    threads: int = 1,
+) -> tuple[float, Array]:
+    """Smallest factor f found such that f·M̄ violates the condition, and where.
+
+    Lemma 1 for f·M̄ reads N M + M N ≻ f I with N = M̄⁻¹, and the weighted condition f λ_max(M⁻¹M̄) < 2: both figures are
+    searched as they stand, without a search over f. At the returned configuration every larger factor violates too.
+
+    Args:
+        arm: The arm.
+        mbar: Diagonal of M̄, a number or nv of them, kg·m².
+        condition: ``lemma1`` or ``weighted``.
+        box: Joint box; see `BoxLike`.
+        seed: Of the samples.
+        samples: Number of samples.
+        starts: Number of local climbs.
+        threads: Worker threads.
+
+    Returns:
+        The factor (0 where no positive one satisfies Lemma 1) and the configuration, shape (nv,).
+    """
+    kind = SCALE[check_condition(condition)]
+    found = maximise(
+        kind, domain_of(arm, box), check_mbar(mbar, arm.nv), samples=samples, starts=starts, seed=seed, threads=threads
+    )
+    factor = max(-found.value, 0.0) if kind == compiled_norms.LEMMA1_SCALE else 2.0 / found.value
+    return factor, found.q

@@ -1,0 +1,220 @@
+"""Running a control law on the plant, trials in lockstep: the engine under every comparison, tuning and sweep."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asmc_pin._typing import Array
+from asmc_pin.controllers.protocol import Controller, Setpoint
+from asmc_pin.errors import ParameterError
+from asmc_pin.plant import Plant
+from asmc_pin.plant.per_trial import per_trial
+from asmc_pin.plant.run_record import LimitViolation, Rollout, outside_limits
+from asmc_pin.plant.run_recorder import CHUNK, MEASURED, TRUTH, Recorder
+from asmc_pin.references.reference import Reference
+from asmc_pin.words.units import check_delay, check_period
+
+__all__ = ["LimitViolation", "Rollout", "rollout"]
+
+
+def rollout(
+    plant: Plant,
+    controller: Controller,
+    reference: Reference,
+    duration: float,
+    *,
+    period: float | None = None,
+    batch: int = 1,
+    q0: ArrayLike | None = None,
+    v0: ArrayLike | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    trials: Sequence[int] | None = None,
+) -> Rollout:
+    """Run a law on a plant along a reference.
+
+    A tick, at t_k = k·period: the drives report a `Sample`, the law answers with a torque, the drives hold it within
+    their limits, the plant moves on. A trial's result is the same to the last bit whatever the batch it runs in. A
+    trial diverges when a state or the law's torque is not finite, or beyond the plant's ``speed_bound`` or
+    ``error_bound``: it stops, and the others go on untouched. Numerical trouble in the law is such a result, so numpy's
+    floating-point warnings are silent in here; an exception in the law is raised.
+
+    Args:
+        plant: The ground truth.
+        controller: The law; see `asmc_pin.controllers.Controller`.
+        reference: What to follow; see `asmc_pin.references`.
+        duration: Length of the run, s, rounded to whole periods.
+        period: Control period, s; None for the law's own ``period``.
+        batch: Number of trials.
+        q0: q(0), (nv,) or (batch, nv), rad; None for the reference's.
+        v0: v(0), (nv,) or (batch, nv), rad/s; None for the reference's.
+        progress: Called now and then with the ticks done and their total.
+        trials: Numbers of the trials in a larger study, which with the plant's seed determine their noise and scatter;
+            0, 1, … when omitted.
+
+    Returns:
+        The run, with round(duration/period) + 1 ticks.
+
+    Raises:
+        ParameterError: a parameter has a wrong size, sign or value, or the law returns a torque of another shape than
+            (batch, nv).
+    """
+    period = _period_of(controller, period)
+    check_period(period)
+    for part, name in ((plant.drive, "drive.delay"), (plant.sensor, "sensor.delay")):
+        if part is not None:
+            check_delay(part.delay, period, name)
+    ticks = _ticks(duration, period)
+    if isinstance(batch, bool) or int(batch) != batch or batch < 1:
+        raise ParameterError("batch", f"{batch!r} given; expected a whole number of trials, at least 1")
+    time = np.multiply(np.arange(ticks), period, dtype=np.float64)
+    wanted = _evaluate(reference, time, plant.nv)
+    q = _initial("q0", wanted.q[0] if q0 is None else q0, batch, plant.nv)
+    v = _initial("v0", wanted.v[0] if v0 is None else v0, batch, plant.nv)
+    q_ref, v_ref, a_ref = (
+        np.broadcast_to(x[:, None], (ticks, batch, plant.nv)) for x in (wanted.q, wanted.v, wanted.a)
+    )
+
+    trials = _trials(trials, batch)
+    plant = plant.for_trials(trials)
+    motion = plant.begin(q, v, period, trials)
+    held = motion.torque
+    stopped_at = np.full(batch, ticks)
+    k = 0
+    with np.errstate(all="ignore"):
+        state = controller.init(motion.sample())
+        names = [*TRUTH]
+        names += [] if motion.ideal_sensor else MEASURED
+        names += [] if motion.external is None else ["external_torque"]
+        names += ["gain"] if hasattr(state, "gain") else []
+        recorder = Recorder(wanted, batch, _ks_of(controller, plant.nv), names)
+        while k < ticks and motion.active.any():
+            stopped = motion.stop_diverged(wanted.q[k])
+            sample = motion.sample()
+            command, state = controller.step(state, sample, Setpoint(q_ref[k], v_ref[k], a_ref[k]))
+            stopped |= motion.apply(_torque_of(controller, command, batch, plant.nv))
+            if stopped:
+                stopped_at[~motion.active & (stopped_at == ticks)] = k
+            q, v = motion.q, motion.v
+            friction = motion.advance()
+            values = [q, v, motion.torque, friction]
+            values += [] if motion.ideal_sensor else [sample.q, sample.v, sample.torque]
+            values += [] if motion.external is None else [motion.external]
+            values += [state.gain] if names[-1] == "gain" else []
+            recorder.write(k, values)
+            k += 1
+            if progress is not None and (k % CHUNK == 0 or k == ticks):
+                progress(k, ticks)
+        histories = recorder.finish(k, stopped_at)
+    if progress is not None and k < ticks:
+        progress(ticks, ticks)
+
+    end_time = time[np.minimum(stopped_at, ticks - 1)]
+    for array in (time, wanted.q, wanted.v, wanted.a, end_time, held):
+        array.setflags(write=False)
+    return Rollout(
+        time=time,
+        **histories,
+        held_torque=held,
+        q_ref=wanted.q,
+        v_ref=wanted.v,
+        a_ref=wanted.a,
+        status=tuple("diverged" if tick < ticks else "ok" for tick in stopped_at),
+        end_time=end_time,
+        joint_names=tuple(plant.arm.joint_names),
+        period=period,
+        limit_violations=outside_limits(plant, time, histories["q"]),
+    )
+
+
+def _trials(trials: Sequence[int] | None, batch: int) -> Sequence[int]:
+    if trials is None:
+        return range(batch)
+    numbers = tuple(trials)
+    if len(numbers) != batch or any(isinstance(n, bool) or int(n) != n or n < 0 for n in numbers):
+        raise ParameterError("trials", f"{numbers!r} given; expected {batch} whole numbers, 0 or more")
+    return tuple(int(n) for n in numbers)
+
+
+def _period_of(controller: Controller, period: float | None) -> float:
+    own = getattr(controller, "period", None)
+    given = own if period is None else period
+    if given is None:
+        raise ParameterError(
+            "period", f"{type(controller).__name__} has no period of its own; give period=… in seconds"
+        )
+    seconds = _seconds("period", given)
+    if own is not None and own != seconds:
+        raise ParameterError(
+            "period", f"{period} s given, but the law computes with {own} s; leave it out, or make them equal"
+        )
+    return seconds
+
+
+def _ticks(duration: float, period: float) -> int:
+    periods = round(_seconds("duration", duration) / period)
+    if periods < 1:
+        raise ParameterError("duration", f"{duration} s is less than one control period of {period} s; make it longer")
+    return periods + 1
+
+
+def _seconds(name: str, value: float) -> float:
+    try:
+        seconds = float(value)
+    except (TypeError, ValueError):
+        seconds = math.nan
+    if not (math.isfinite(seconds) and seconds > 0.0):
+        raise ParameterError(name, f"{value!r} given; expected a positive number of seconds")
+    return seconds
+
+
+def _evaluate(reference: Reference, time: Array, nv: int) -> Setpoint:
+    setpoint = reference.evaluate(time)
+    fields = []
+    for name in ("q", "v", "a"):
+        field = np.array(getattr(setpoint, name), dtype=np.float64, order="C")
+        if field.shape != (len(time), nv):
+            raise ParameterError(
+                "reference",
+                f"gives {name} of shape {field.shape}; expected {(len(time), nv)}: times by the plant's joints",
+            )
+        if not np.isfinite(field).all():
+            bad = time[~np.isfinite(field).all(axis=1)][0]
+            raise ParameterError(
+                "reference", f"{name} is not finite at t = {bad:.6g} s; every value has to be a number"
+            )
+        fields.append(field)
+    return Setpoint(*fields)
+
+
+def _initial(name: str, value: ArrayLike, batch: int, nv: int) -> Array:
+    array = per_trial(name, value, batch, nv)
+    if not np.isfinite(array).all():
+        raise ParameterError(name, f"{array.tolist()} given; every value has to be finite")
+    return array
+
+
+def _ks_of(controller: Controller, nv: int) -> Array | None:
+    """K_s of a law that has one, or None: a law of the user's own may call anything ``ks``."""
+    try:
+        ks = np.asarray(getattr(controller, "ks", None), dtype=np.float64)
+    except (TypeError, ValueError):
+        return None
+    return ks if ks.shape in ((), (nv,)) and not np.isnan(ks).any() else None
+
+
+def _torque_of(controller: Controller, command: ArrayLike, batch: int, nv: int) -> Array:
+    try:
+        torque = np.ascontiguousarray(command, dtype=np.float64)
+    except (TypeError, ValueError):
+        torque = np.empty(0)
+    if np.shape(command) != (batch, nv):
+        raise ParameterError(
+            "controller",
+            f"{type(controller).__name__}.step returned a torque of shape {np.shape(command)}; "
+            f"expected (batch, nv) = {(batch, nv)}",
+        )
+    return torque

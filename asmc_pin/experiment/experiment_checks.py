@@ -1,0 +1,287 @@
+"""What is wrong with an experiment, as a list: nothing here raises, so that one run shows every mistake."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, get_args
+
+import numpy as np
+from pydantic import BaseModel, ValidationError
+
+from asmc_pin._typing import Array
+from asmc_pin.arms import Arm
+from asmc_pin.errors import ExperimentError, ParameterError
+from asmc_pin.experiment.constructors import Problem, Signature, construct, nearest
+from asmc_pin.experiment.law_lookup import LAWS, is_own, load_law
+from asmc_pin.experiment.toml_keys import ExperimentTables
+from asmc_pin.references import REFERENCES, Reference
+from asmc_pin.words.text import printable
+from asmc_pin.words.units import check_delay, check_motion
+
+_LOOKS = 2001
+"""Instants of a reference at which its units are looked at."""
+
+_RESERVED = {
+    "period": "stands once, at the top of the file, for every controller",
+    "arm": "stands once, at the top of the file; a law that knows the model is given that arm",
+}
+
+
+def table_problems(error: ValidationError) -> list[Problem]:
+    """Pydantic's findings in our words: the key's path, what was given, the nearest known key."""
+    problems = []
+    for item in error.errors(include_url=False):
+        if item["loc"] == ("controllers", "law"):
+            continue  # `controller_problems` knows what was meant
+        path, model = _locate(item["loc"])
+        last = str(item["loc"][-1]) if item["loc"] else ""
+        given = printable(repr(item["input"]))
+        if item["type"] == "extra_forbidden":
+            message = f"unknown key: {nearest(last, model.model_fields)}"
+        elif item["type"] == "missing":
+            message = "is missing"
+        elif item["type"] == "string_pattern_mismatch":
+            message = f"got {given}; expected letters, digits, '.', '_' and '-', starting with a letter or digit"
+        elif item["type"] in ("model_type", "dict_type"):
+            message = f"must be a table, got {given}"
+        elif item["type"] == "value_error":
+            message = str(item["ctx"]["error"])
+        else:
+            text = item["msg"].removeprefix("Input ")
+            message = f"{text[:1].lower()}{text[1:]}, got {given}"
+        problems.append(Problem(path, message))
+    return problems
+
+
+def _locate(loc: Sequence[str | int]) -> tuple[str, type[BaseModel]]:
+    """Path in the file, and the table that holds its last key; pydantic's own tags of types are left out."""
+    model: type[BaseModel] = ExperimentTables
+    path = ""
+    for depth, part in enumerate(loc):
+        if isinstance(part, int):
+            path += f"[{part}]"
+            continue
+        path = f"{path}.{part}" if path else part
+        field = model.model_fields.get(part)
+        inner = _model_of(field.annotation) if field is not None else None
+        if inner is not None and depth + 1 < len(loc):
+            model = inner
+    return path, model
+
+
+def _model_of(annotation: Any) -> type[BaseModel] | None:
+    for kind in (annotation, *get_args(annotation)):
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            return kind
+    return None
+
+
+def reference_problems(table: Any, folder: Path) -> tuple[Any, list[Problem]]:
+    """The reference that a ``[reference]`` table describes, and what is wrong with the table."""
+    if not isinstance(table, Mapping):
+        return None, []  # the schema has said so
+    if "kind" not in table:
+        return None, [Problem("reference.kind", f"is missing; one of {', '.join(REFERENCES)}")]
+    kind = table["kind"]
+    if not isinstance(kind, str) or kind not in REFERENCES:
+        return None, [Problem("reference.kind", f"there is no kind {kind!r}: {nearest(str(kind), REFERENCES)}")]
+    cls = REFERENCES[kind]
+    signature = Signature(cls)
+    values = {key: value for key, value in table.items() if key != "kind"}
+    problems = [
+        Problem(f"reference.{key}", f"unknown key of kind '{kind}': {nearest(key, signature.names)}")
+        for key in values
+        if not signature.takes(key)
+    ]
+    if problems:
+        return None, problems
+    if isinstance(values.get("path"), str):
+        values["path"] = str(folder / values["path"])  # an absolute one stays as it is
+    return construct(cls, values, "reference")
+
+
+def delay_problems(data: Mapping[str, Any]) -> list[Problem]:
+    """Delays of the drive and the sensor, in periods, that look like seconds."""
+    period, plant = data.get("period"), data.get("plant")
+    problems = []
+    for part in ("drive", "sensor"):
+        table = plant.get(part) if isinstance(plant, Mapping) else None
+        delay = table.get("delay") if isinstance(table, Mapping) else None
+        if isinstance(period, int | float) and period > 0.0 and isinstance(delay, int | float):
+            problems += _asked(f"plant.{part}.delay", check_delay, delay, period)
+    return problems
+
+
+def angle_problems(key: str, arm: Arm, q: Array) -> list[Problem]:
+    """Angles at which the arm is to stand, shape (nv,), that look like degrees."""
+    return _asked(key, check_motion, key, arm, "it", np.zeros(1), q[None, :])
+
+
+def motion_problems(reference: Reference, arm: Arm, duration: float) -> list[Problem]:
+    """A reference whose angles look like degrees."""
+    time = np.linspace(0.0, duration, _LOOKS)
+    motion = reference.evaluate(time)
+    return _asked("reference", check_motion, "reference", arm, "it", time, motion.q, motion.v)
+
+
+def _asked(key: str, check: Callable[..., None], *values: Any) -> list[Problem]:
+    try:
+        check(*values)
+    except ParameterError as error:
+        return [Problem(key, str(error).removeprefix(f"{error.parameter}: "))]
+    return []
+
+
+def controller_problems(
+    data: Mapping[str, Any], folder: Path, import_laws: bool = True
+) -> tuple[dict[str, Any], list[Problem]]:
+    """The controllers of a file by label, and what is wrong with their tables and with ``[defaults]``.
+
+    Args:
+        data: Tables as TOML gives them.
+        folder: Where laws of one's own are looked for.
+        import_laws: Whether they are; a controller with one is left out, unjudged, where not.
+    """
+    defaults = data.get("defaults", {})
+    tables = data.get("controllers")
+    if not isinstance(tables, Mapping) or not isinstance(defaults, Mapping):
+        return {}, []
+    made: dict[str, Any] = {}
+    problems: list[Problem] = []
+    signatures = [Signature(law) for law in LAWS.values()]
+    all_known = True
+    for label, table in tables.items():
+        path = f"controllers.{label}"
+        if not isinstance(table, Mapping):
+            if label == "law":
+                problems.append(Problem(path, "a law stands in a table of its own, [controllers.LABEL]"))
+            continue
+        if not import_laws and is_own(table.get("law")):
+            all_known = False
+            continue
+        law, found = _law(table, folder, path)
+        problems += found
+        if law is None:
+            continue
+        signature = Signature(law)
+        signatures.append(signature)
+        found = _unknown_parameters(table, signature, path)
+        problems += found
+        if found:
+            continue
+        values = {key: value for key, value in defaults.items() if signature.takes(key) and key not in _RESERVED}
+        values |= {key: value for key, value in table.items() if key != "law"}
+        if signature.takes("period"):
+            values["period"] = data.get("period")
+        if len({len(values[key]) for key in values if _is_list(signature, key, values[key])}) > 1:
+            continue  # one of them does not fit the arm; told when the arm is known, with its joints
+        made[label], found = construct(law, values, path)
+        problems += [_where_it_stands(item, path, table, defaults) for item in found]
+    if all_known:  # what a law that was not imported takes, nobody knows
+        problems += _default_problems(defaults, signatures)
+    return made, problems
+
+
+def _law(table: Mapping[str, Any], folder: Path, path: str) -> tuple[type | None, list[Problem]]:
+    name = table.get("law")
+    if not isinstance(name, str):
+        state = "is missing" if name is None else f"must be text, got {name!r}"
+        return None, [Problem(f"{path}.law", f"{state}; one of {', '.join(LAWS)}, or 'my_module:MyLaw'")]
+    try:
+        return load_law(name, folder, f"{path}.law"), []
+    except ExperimentError as error:
+        return None, [Problem(error.key, str(error).removeprefix(f"{error.key}: "))]
+
+
+def _unknown_parameters(table: Mapping[str, Any], signature: Signature, path: str) -> list[Problem]:
+    problems = []
+    for key in table:
+        if key in _RESERVED:
+            problems.append(Problem(f"{path}.{key}", _RESERVED[key]))
+        elif key != "law" and not signature.takes(key):
+            known = ["law", *(name for name in signature.names if name not in _RESERVED)]
+            problems.append(
+                Problem(f"{path}.{key}", f"unknown parameter of law '{table['law']}': {nearest(key, known)}")
+            )
+    return problems
+
+
+def _default_problems(defaults: Mapping[str, Any], signatures: Sequence[Signature]) -> list[Problem]:
+    """A default may be for some of the laws only; one that no law takes is a slip of the pen."""
+    known = dict.fromkeys(name for signature in signatures for name in signature.names if name not in _RESERVED)
+    problems = []
+    for key in defaults:
+        if key in _RESERVED:
+            problems.append(Problem(f"defaults.{key}", _RESERVED[key]))
+        elif not any(signature.takes(key) for signature in signatures):
+            problems.append(Problem(f"defaults.{key}", f"no law takes this parameter: {nearest(key, known)}"))
+    return problems
+
+
+def _where_it_stands(problem: Problem, path: str, table: Mapping[str, Any], defaults: Mapping[str, Any]) -> Problem:
+    name = problem.key.removeprefix(f"{path}.")
+    if name == "period":
+        return Problem("period", problem.message)
+    if name not in table and name in defaults:
+        return Problem(f"defaults.{name}", problem.message)
+    if problem.message == "is missing":
+        return Problem(problem.key, "is missing; give it here, or in [defaults] for all controllers")
+    return problem
+
+
+def plant_size_problems(tables: ExperimentTables, arm: Arm) -> list[Problem]:
+    """Lists of ``[plant]`` and ``[metrics]`` whose length is not the number of the arm's joints."""
+    plant = tables.plant
+    given = [("metrics.settling_band", tables.metrics.settling_band)]
+    given += [(f"plant.{name}", getattr(plant, name)) for name in ("effort_limit", "q0", "v0")]
+    if plant.friction is not None:
+        given += [(f"plant.friction.{name}", value) for name, value in plant.friction]
+    return _wrong_sizes(given, arm)
+
+
+def controller_size_problems(tables: ExperimentTables, folder: Path, arm: Arm) -> list[Problem]:
+    """Lists of the controllers whose length is not the number of the arm's joints."""
+    signatures = {label: Signature(load_law(table["law"], folder)) for label, table in tables.controllers.items()}
+    shared = [name for name in tables.defaults if any(item.per_joint(name) for item in signatures.values())]
+    given = [(f"defaults.{name}", tables.defaults[name]) for name in shared]
+    for label, table in tables.controllers.items():
+        own = [name for name in table if signatures[label].per_joint(name)]
+        given += [(f"controllers.{label}.{name}", table[name]) for name in own]
+    return _wrong_sizes(given, arm)
+
+
+def _is_list(signature: Signature, name: str, value: Any) -> bool:
+    return signature.per_joint(name) and isinstance(value, list)
+
+
+def _wrong_sizes(given: Sequence[tuple[str, Any]], arm: Arm) -> list[Problem]:
+    return [
+        Problem(key, f"{len(value)} values given, but {joints_of(arm)}")
+        for key, value in given
+        if isinstance(value, list) and len(value) != arm.nv
+    ]
+
+
+def joints_of(arm: Arm) -> str:
+    """How many joints an arm has, and their names."""
+    noun = "joint" if arm.nv == 1 else "joints"
+    return f"{arm.name} has {arm.nv} {noun}: {', '.join(arm.joint_names)}"
+
+
+def fail(problems: Sequence[Problem], origin: str) -> None:
+    """Raise an `ExperimentError` that lists all problems, one for each key; nothing if there is none."""
+    if not problems:
+        return
+    problems = list({item.key: item for item in reversed(problems)}.values())[::-1]
+    lines = [_line(item) for item in problems]
+    text = f"{origin}: {lines[0]}" if len(lines) == 1 else "\n  ".join([f"{origin}: {len(lines)} mistakes", *lines])
+    error = ExperimentError("", text)
+    error.key = problems[0].key
+    raise error
+
+
+def _line(problem: Problem) -> str:
+    # A label or a key may hold a line break, which would look like a message of its own.
+    message = problem.message.replace("\n", " ")
+    return f"{printable(problem.key)}: {message}" if problem.key else message

@@ -1,0 +1,81 @@
+"""Finding an experiment: by path, or by the name of one that the package ships."""
+
+from __future__ import annotations
+
+import difflib
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from asmc_pin.disk.reading import read_file, shown, user_path
+from asmc_pin.disk.resources import shipped
+from asmc_pin.errors import ExperimentError
+from asmc_pin.experiment.toml_text import LARGEST, read_toml
+from asmc_pin.words.text import printable
+
+if TYPE_CHECKING:
+    from asmc_pin.experiment.experiment import Experiment
+
+
+def experiment_names() -> list[str]:
+    """Names of the experiments that the package ships."""
+    return sorted(path.stem for path in shipped("experiments").glob("*.toml"))
+
+
+def load_experiment(source: str | Path, *, import_laws: bool = True) -> Experiment:
+    """Read and check an experiment.
+
+    Args:
+        source: Path of a TOML file, or the name of a shipped experiment. A result's ``experiment.toml`` works too:
+            what it names by a relative path is looked for where the experiment lay when it was run.
+        import_laws: Whether a law of one's own (``my_module:MyLaw``) is imported, which runs the code of that module.
+            False for a file that is only looked at: its arm, motion and plant are there, its controllers are not.
+
+    Raises:
+        ExperimentError: there is no such file, its TOML is broken (names the line), or keys or values are wrong (lists
+            every mistake, with the path of its key and the nearest known one).
+    """
+    path = find_experiment(source)
+    text, data = read_toml(path)
+    from asmc_pin.experiment.experiment import Experiment  # only now: it brings all that an experiment may be made of
+
+    return Experiment.from_dict(data, folder=_folder(path), origin=str(path), text=text, import_laws=import_laws)
+
+
+def find_experiment(source: str | Path) -> Path:
+    """The file that a name or a path stands for.
+
+    Raises:
+        ExperimentError: there is none; names the nearest known experiment.
+    """
+    names = experiment_names()
+    if isinstance(source, str) and source in names:
+        return shipped("experiments") / f"{source}.toml"
+    path = user_path(source)
+    try:
+        there, folder = path.exists(), path.is_dir()
+    except OSError as error:
+        raise ExperimentError("", f"{shown(path)}: cannot be read ({error.strerror})") from None
+    if folder:
+        inside = path / "experiment.toml"
+        hint = f"; did you mean {shown(inside)}?" if inside.is_file() else ""
+        raise ExperimentError("", f"{shown(path)} is a folder, an experiment is a TOML file{hint}")
+    if there:
+        return path
+    near = difflib.get_close_matches(str(source), names, n=1)
+    hint = f"did you mean '{near[0]}'?" if near else f"shipped are {', '.join(names)}"
+    name = printable(str(source))
+    raise ExperimentError("", f"there is no experiment '{name}', neither a file nor a shipped one; {hint}")
+
+
+def _folder(path: Path) -> Path:
+    folder = path.resolve().parent
+    provenance = folder / "provenance.json"
+    if path.name == "experiment.toml" and provenance.is_file():
+        try:
+            text = read_file(provenance, LARGEST, "a provenance", lambda message: ExperimentError("", message))
+            origin = folder / json.loads(text)["experiment"]["folder"]
+        except (ExperimentError, ValueError, KeyError, TypeError, RecursionError):
+            return folder
+        return origin if origin.is_dir() else folder
+    return folder

@@ -1,0 +1,265 @@
+"""The keys of an experiment file whose names do not depend on a law or a kind of reference.
+
+Keys of ``[reference]``, ``[defaults]`` and ``[controllers.*]`` come from the constructors themselves (`parameters`), so
+a new parameter of a law or of a reference needs no second list here. A new key of the plant is a field of `PlantTable`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationInfo,
+    WithJsonSchema,
+    field_validator,
+)
+
+from asmc_pin.errors import ParameterError
+from asmc_pin.words.units import LONGEST_PERIOD, check_period
+
+MOST_CONTROLLERS = 100
+
+MOST_TICKS = 10_000_000
+"""Longest run in control ticks: almost three hours at 1 ms, some gigabytes of trajectories for each controller."""
+
+_LONGEST_LABEL = 200
+_NUMBERS_SCHEMA = {
+    "anyOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}, "minItems": 1}],
+}
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _per_joint(what: str, allowed: Callable[[float], bool]) -> BeforeValidator:
+    """Check of a number for all joints, or one per joint; `allowed` judges each of them."""
+
+    def check(value: Any) -> float | list[float]:
+        many = value if isinstance(value, list) else [value]
+        if not many or not all(_is_number(item) for item in many):
+            raise ValueError(f"must be {what}, or a list with one for each joint, got {value!r}")
+        for item in many:
+            if not allowed(float(item)):
+                raise ValueError(f"must be {what}, or a list with one for each joint, got {item!r}")
+        return [float(item) for item in many] if isinstance(value, list) else float(value)
+
+    return BeforeValidator(check)
+
+
+_SCHEMA = WithJsonSchema(_NUMBERS_SCHEMA)
+_FINITE = _per_joint("a finite number", math.isfinite)
+_NOT_NEGATIVE = _per_joint("a number of 0 or more", lambda x: math.isfinite(x) and x >= 0.0)
+_POSITIVE = _per_joint("a positive number", lambda x: math.isfinite(x) and x > 0.0)
+# TOML has inf, and a limit of inf says plainly that there is none.
+_LIMIT = _per_joint("a positive number (inf for no limit)", lambda x: x > 0.0)
+_Numbers = float | list[float]
+PerJoint = Annotated[_Numbers, _FINITE, _SCHEMA]
+NonNegativePerJoint = Annotated[_Numbers, _NOT_NEGATIVE, _SCHEMA]
+PositivePerJoint = Annotated[_Numbers, _POSITIVE, _SCHEMA]
+_Infinite = Annotated[float, Field(allow_inf_nan=True)]
+LimitPerJoint = Annotated[_Infinite | list[_Infinite], _LIMIT, _SCHEMA]
+
+
+class Table(BaseModel):
+    """A table of the file: unknown keys are errors, text is not a number, and nothing changes after reading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class PayloadTable(Table):
+    """A body fixed to a link."""
+
+    mass: float = Field(ge=0.0, description="kg")
+    com: list[float] = Field(
+        default=[0.0, 0.0, 0.0], min_length=3, max_length=3, description="centre of mass in the link's frame, m"
+    )
+    inertia: list[float] | None = Field(
+        default=None,
+        min_length=6,
+        max_length=6,
+        description="ixx, ixy, ixz, iyy, iyz, izz about the centre of mass, kg·m²; a point mass when omitted",
+    )
+    link: str | None = Field(default=None, description="name of the link; the last moving one when omitted")
+
+
+def _payload(value: Any) -> Any:
+    return {"mass": value} if _is_number(value) else value
+
+
+def _armature(value: Any) -> Any:
+    if isinstance(value, dict):
+        for joint, item in value.items():
+            if not (_is_number(item) and math.isfinite(item) and item >= 0.0):
+                raise ValueError(f"of joint {joint!r} must be a number of 0 or more, got {item!r}")
+        return {joint: float(item) for joint, item in value.items()}
+    many = value if isinstance(value, list) else [value]
+    if not many or not all(_is_number(item) and math.isfinite(item) and item >= 0.0 for item in many):
+        raise ValueError(
+            f"must be a number of 0 or more, a list with one for each joint, or a table joint = value, got {value!r}"
+        )
+    return [float(item) for item in many] if isinstance(value, list) else float(value)
+
+
+def _lock(value: Any) -> Any:
+    if not isinstance(value, dict):
+        raise ValueError(f"must be a table joint = angle, got {value!r}")
+    for joint, item in value.items():
+        if item != "free" and not (_is_number(item) and math.isfinite(item)):
+            raise ValueError(f'of joint {joint!r} must be an angle in rad (m), or "free", got {item!r}')
+    return value
+
+
+_LOCK_SCHEMA = {"type": "object", "additionalProperties": {"anyOf": [{"type": "number"}, {"const": "free"}]}}
+_ARMATURE_SCHEMA = {
+    "anyOf": [*_NUMBERS_SCHEMA["anyOf"], {"type": "object", "additionalProperties": {"type": "number", "minimum": 0}}],
+}
+
+
+class ArmTable(Table):
+    """The arm: a name from ``asmc-pin arms``, or a URDF."""
+
+    source: str = Field(min_length=1, description="name of an arm, or path of a URDF (relative to this file)")
+    payload: Annotated[PayloadTable | None, BeforeValidator(_payload)] = Field(
+        default=None, description="kg, as a point mass at the last moving link; or a table"
+    )
+    armature: Annotated[
+        float | list[float] | dict[str, float] | None, BeforeValidator(_armature), WithJsonSchema(_ARMATURE_SCHEMA)
+    ] = Field(default=None, description="reflected rotor inertia, kg·m² (kg for a prismatic joint)")
+    lock: Annotated[dict[str, Any] | None, BeforeValidator(_lock), WithJsonSchema(_LOCK_SCHEMA)] = Field(
+        default=None, description='joints to fix: name = angle, rad (m); "free" frees one that is locked by default'
+    )
+    gravity: list[float] | None = Field(
+        default=None,
+        min_length=3,
+        max_length=3,
+        description="gravity in the base frame, m/s²; [0, 0, -9.81] if omitted",
+    )
+
+
+def arm_table(value: Any) -> Any:
+    """``arm = "ur5"`` is short for ``arm = { source = "ur5" }``."""
+    return {"source": value} if isinstance(value, str) else value
+
+
+class FrictionTable(Table):
+    """Joint friction of the plant; without a default below, what is omitted is as in docs/plant.md."""
+
+    coulomb: NonNegativePerJoint = Field(default=0.0, description="Coulomb friction, N·m (N)")
+    viscous: NonNegativePerJoint = Field(default=0.0, description="viscous friction, N·m·s/rad (N·s/m)")
+    breakaway: NonNegativePerJoint | None = Field(
+        default=None, description="level at rest, N·m (N); the Coulomb level when omitted"
+    )
+    stribeck_velocity: PositivePerJoint = Field(
+        default=0.01, description="speed over which it falls to the Coulomb level, rad/s (m/s)"
+    )
+    coulomb_backward: NonNegativePerJoint | None = Field(
+        default=None, description="Coulomb friction against motion backwards, N·m (N); the same when omitted"
+    )
+    breakaway_backward: NonNegativePerJoint | None = Field(
+        default=None, description="level at rest against motion backwards, N·m (N); the same when omitted"
+    )
+    presliding: NonNegativePerJoint | None = Field(
+        default=None, description="stiffness before breaking loose, N·m/rad (N/m); rigid when omitted"
+    )
+    presliding_damping: NonNegativePerJoint = Field(
+        default=0.0, description="damping of that stiffness, N·m·s/rad (N·s/m)"
+    )
+
+
+class PlantTable(Table):
+    """The simulated world. What is omitted is the plant's own default."""
+
+    substeps: int = Field(default=2, ge=1, description="integration steps in each control period")
+    start: Literal["holding", "relaxed"] = Field(
+        default="holding", description="torque before t = 0: balances gravity at q(0), or is zero"
+    )
+    integrator: Literal["semi_implicit", "midpoint", "rk4"] = Field(
+        default="semi_implicit", description="scheme between the control ticks, see docs/plant.md"
+    )
+    friction: FrictionTable | None = Field(default=None, description="joint friction; the URDF's when omitted")
+    effort_limit: LimitPerJoint | None = Field(
+        default=None, description="torque limits, N·m (N), inf for none; the URDF's when omitted"
+    )
+    q0: PerJoint | None = Field(default=None, description="q(0), rad (m); the reference's when omitted")
+    v0: PerJoint | None = Field(default=None, description="v(0), rad/s (m/s); the reference's when omitted")
+    drive: dict[str, Any] | None = Field(default=None, description="between command and joint torque; ideal if omitted")
+    sensor: dict[str, Any] | None = Field(default=None, description="what the law is told; the truth when omitted")
+    end_stops: dict[str, Any] | None = Field(default=None, description="stiff stops at the limits; none when omitted")
+    disturbances: list[Any] = Field(default=[], description="external torques and wrenches")
+    payload_changes: list[Any] = Field(default=[], description="what is picked up or put down in mid-run")
+    spread: dict[str, Any] | None = Field(default=None, description="scatter of the parameters from trial to trial")
+
+
+class MetricsTable(Table):
+    """What the metrics of docs/metrics.md need to be told."""
+
+    cutoff_hz: float = Field(default=50.0, gt=0.0, description="torque power above it counts as high-frequency, Hz")
+    settling_band: PositivePerJoint = Field(
+        default=0.002, description="band of |e| in which a joint counts as settled, rad (m)"
+    )
+    tool: str | None = Field(
+        default=None, description="link or frame whose error is given in mm and rad; none if omitted"
+    )
+
+
+def _printable(value: dict[str, Any]) -> dict[str, Any]:
+    if len(value) > MOST_CONTROLLERS:
+        raise ValueError(f"are {len(value)}; one comparison has at most {MOST_CONTROLLERS} controllers")
+    for label in value:
+        if len(label) > _LONGEST_LABEL:
+            raise ValueError(f"the label {label!r} has {len(label)} characters; at most {_LONGEST_LABEL} fit a table")
+        if not label.strip() or not label.isprintable():
+            raise ValueError(f"the label {label!r} must be printable text, as it is shown in tables and figures")
+    return value
+
+
+def _in_seconds(period: float) -> float:
+    try:
+        check_period(period)
+    except ParameterError as error:
+        raise ValueError(str(error).removeprefix(f"{error.parameter}: ")) from None
+    return period
+
+
+class ExperimentTables(Table):
+    """All keys at the top of an experiment file."""
+
+    name: str = Field(
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$",
+        max_length=100,
+        description="results go to results/NAME; letters, digits, '.', '_' and '-'",
+    )
+    arm: Annotated[ArmTable, BeforeValidator(arm_table)] = Field(description="name, URDF path, or a table")
+    period: Annotated[float, AfterValidator(_in_seconds)] = Field(
+        gt=0.0,
+        description="control period L of every controller, s",
+        json_schema_extra={"exclusiveMaximum": LONGEST_PERIOD},
+    )
+    duration: float = Field(gt=0.0, description="length of the run, s")
+    seed: int = Field(default=0, ge=0, description="seed of everything random")
+    plant: PlantTable = Field(default_factory=PlantTable, description="the simulated world")
+    metrics: MetricsTable = Field(default_factory=MetricsTable, description="settings of the metrics")
+    reference: dict[str, Any] = Field(description="the motion to follow: kind, and the parameters of that kind")
+    defaults: dict[str, Any] = Field(default={}, description="parameters shared by the controllers")
+    controllers: Annotated[dict[str, dict[str, Any]], AfterValidator(_printable)] = Field(
+        min_length=1, description="[controllers.LABEL]: law, and its parameters"
+    )
+
+    @field_validator("duration")
+    @classmethod
+    def _fits_memory(cls, duration: float, info: ValidationInfo) -> float:
+        period = info.data.get("period")
+        if period is not None and duration > MOST_TICKS * period:
+            raise ValueError(
+                f"{duration:g} s are {duration / period:.3g} control periods of {period:g} s, and a run keeps all of "
+                f"them in memory: at most {MOST_TICKS:g}; shorten the duration, or lengthen the period"
+            )
+        return duration

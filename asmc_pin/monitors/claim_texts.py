@@ -1,0 +1,165 @@
+"""What the paper claims, held against a run: held, or broken, when, by how much and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from asmc_pin._typing import Array, BoolArray, IntArray
+from asmc_pin.monitors.law_signals import DRIVE, NOISE, SATURATION
+from asmc_pin.monitors.lyapunov_monitor import SAMPLING
+
+Status = Literal["held", "broken", "not tested", "not applicable"]
+
+CAUSES = (SAMPLING, SATURATION, NOISE, DRIVE)
+"""What can break a claim: finite L; torque limits; what the sensors report; what else the drive does to the torque."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A claim in general.
+
+    Attributes:
+        title: Its name in tables.
+        text: What it says.
+        unit: Of the amount by which it is broken.
+        latex: Its heading in a LaTeX table.
+        adaptive: Whether it speaks of the adaptive law (11) alone.
+    """
+
+    title: str
+    text: str
+    unit: str
+    latex: str
+    adaptive: bool = False
+
+
+STATEMENTS: Mapping[str, Statement] = {
+    "lemma1": Statement(
+        "Lemma 1 (condition)", "‖I − M(q)⁻¹M̄‖₂ < 1 along the motion", "1", r"$\|I - M^{-1}\bar{M}\|_2 < 1$"
+    ),
+    "contraction": Statement(
+        "Lemma 1 (contraction)",
+        "‖N‖₂ does not grow from tick to tick (as L → 0 nothing comes in)",
+        "rad/s²",
+        r"$\|N\|_2$ falls",
+    ),
+    "lemma2": Statement("Lemma 2", "k̂ᵢ < k̂ᵢ*, with the bound that (12) and (16) give", "rad/s²", "Lemma 2", True),
+    "eq16": Statement("(16)", "V̇ ≤ −β‖s‖² while ‖s‖_∞ ≥ ε", "rad²/s³", "(16)", True),
+    "t_eps": Statement("finite t_ε", "s enters ‖s‖_∞ < ε, by V/(βε²) after the start", "s", r"$t_\varepsilon$", True),
+    "eq21": Statement("Theorem 1 (21)", "‖s‖₂ < √(nε² + k̃_M) from t_ε on", "rad/s", "(21)", True),
+}
+"""The claims by their keys, in the order of the tables."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One claim on one trial.
+
+    Attributes:
+        key: Key of `STATEMENTS`.
+        trial: Index of the trial.
+        status: ``"not tested"`` where the run gives no occasion to break it.
+        checked: Ticks at which it was checked.
+        broken: Ticks at which it was broken.
+        first_time: When it was first broken, s; NaN if it was not.
+        worst_time: When it was broken by most, s.
+        amount: By how much there, in the statement's unit.
+        causes: Number of broken ticks by cause.
+        reason: Why, in plain words; what was seen where it held.
+    """
+
+    key: str
+    trial: int
+    status: Status
+    checked: int = 0
+    broken: int = 0
+    first_time: float = np.nan
+    worst_time: float = np.nan
+    amount: float = np.nan
+    causes: Mapping[str, int] = field(default_factory=dict)
+    reason: str = ""
+
+    @property
+    def statement(self) -> Statement:
+        """What it says in general."""
+        return STATEMENTS[self.key]
+
+    @property
+    def short(self) -> str:
+        """For a cell of a table."""
+        if self.status != "broken":
+            return self.status
+        unit = "" if self.statement.unit == "1" else f" {self.statement.unit}"
+        share = f", in {percent(self.broken / self.checked)} of the ticks" if self.checked > 1 else ""
+        return f"broken at {self.first_time:.4g} s, by up to {self.amount:.3g}{unit}{share}"
+
+
+def percent(share: float) -> str:
+    """A share in percent with two digits, never 0 or 100 % unless it is."""
+    text = f"{100.0 * share:.2g}"
+    return f"{'99.9' if text == '1e+02' and share < 1.0 else '100' if share == 1.0 else text} %"
+
+
+def not_applicable(key: str, trial: int, reason: str) -> Claim:
+    """A claim that says nothing about this law."""
+    return Claim(key, trial, "not applicable", reason=reason)
+
+
+def judge(
+    key: str,
+    trial: int,
+    time: Array,
+    excess: Array,
+    checked: BoolArray,
+    causes: IntArray | None,
+    held: str,
+    untested: str,
+    broken: str,
+) -> Claim:
+    """A claim of the form "excess ≤ 0 wherever checked".
+
+    Args:
+        key: Key of `STATEMENTS`.
+        trial: Index of the trial.
+        time: Shape (T,), s.
+        excess: Shape (T,), round-off taken off already.
+        checked: Where it is claimed, shape (T,), bool.
+        causes: Index in `CAUSES` of each tick, shape (T,); None where the cause is no part of these.
+        held: What to say if it held.
+        untested: What to say if there is nothing to check.
+        broken: What to say first if it is broken.
+    """
+    ticks = int(np.sum(checked))
+    if ticks == 0:
+        return Claim(key, trial, "not tested", reason=untested)
+    over = checked & (excess > 0.0)
+    count = int(np.sum(over))
+    if count == 0:
+        return Claim(key, trial, "held", checked=ticks, reason=held)
+    worst = int(np.argmax(np.where(over, excess, -np.inf)))
+    counted: dict[str, int] = {}
+    if causes is not None:
+        counted = {name: int(np.sum(over & (causes == i))) for i, name in enumerate(CAUSES)}
+        counted = {name: value for name, value in counted.items() if value}
+    listed = ", ".join(f"{name} in {value} of {count} ticks" for name, value in counted.items())
+    return Claim(
+        key,
+        trial,
+        "broken",
+        checked=ticks,
+        broken=count,
+        first_time=float(time[np.argmax(over)]),
+        worst_time=float(time[worst]),
+        amount=float(excess[worst]),
+        causes=counted,
+        reason="; ".join(part for part in (listed, broken) if part),
+    )
+
+
+def weigh(parts: Mapping[str, Array], window: slice) -> int:
+    """Which cause, as an index in `CAUSES`, added most over a window of ticks; each part of shape (T,)."""
+    return int(np.argmax([float(np.nansum(parts[name][window])) for name in CAUSES]))

@@ -1,0 +1,224 @@
+"""The figures of a comparison, of the kinds that the paper has: reference, gains and s, torques, errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from asmc_pin._typing import Array
+from asmc_pin.pages.curves import running_max, spread, thinned
+from asmc_pin.pages.figure_style import COLUMN, GREY, PAGE, paper_style, save
+from asmc_pin.pages.summary_tables import short_names
+from asmc_pin.viewer.colours import controller_colors
+from asmc_pin.words.media import for_figure
+
+TIME = "Time [s]"
+FAR_APART = 15.0
+"""From this ratio on between the laws' RMS values a linear axis would show the largest only."""
+
+
+class Drawing(NamedTuple):
+    """One figure of a comparison.
+
+    Attributes:
+        caption: What it shows.
+        draw: Draws it from one trial and the torque limits, shape (nv,), N·m.
+    """
+
+    caption: str
+    draw: Callable[[xr.Dataset, Array], Figure]
+
+
+def draw_figures(dataset: xr.Dataset, folder: Path, effort_limit: Array | None = None) -> list[Path]:
+    """Write every figure as PDF and PNG.
+
+    Args:
+        dataset: Trajectories; the first trial is shown.
+        folder: Where to; made if need be.
+        effort_limit: Torque limits, shape (nv,), N·m; infinite where there is none.
+
+    Returns:
+        The PNG files, in the order of `FIGURES`.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    limit = np.full(dataset.sizes["joint"], np.inf) if effort_limit is None else np.asarray(effort_limit)
+    limit = np.broadcast_to(limit, (dataset.sizes["joint"],))
+    paths = []
+    with paper_style():
+        for name, drawing in FIGURES.items():
+            save(drawing.draw(dataset.isel(trial=0), limit), folder / name)
+            paths.append(folder / f"{name}.png")
+    return paths
+
+
+def reference_figure(dataset: xr.Dataset, limit: Array) -> Figure:
+    """The desired motion of every joint."""
+    figure, axes = _joint_grid(dataset)
+    time = dataset.time.to_numpy()
+    for i, axis in enumerate(axes):
+        factor, unit = _angle(dataset, i)
+        axis.plot(*thinned(time, factor * dataset.q_ref.to_numpy()[:, i]), color="black")
+        axis.set_ylabel(rf"$q_{{d,{i + 1}}}$ [{unit}]")
+    return figure
+
+
+def gains_and_s_figure(dataset: xr.Dataset, limit: Array) -> Figure:
+    """Adaptive gain and sliding variable of every joint; gains of the laws that have one."""
+    count = dataset.sizes["joint"]
+    gains, s = _by_controller(dataset, "gain"), _by_controller(dataset, "s")
+    adaptive = [k for _, _, k in _controllers(dataset) if np.isfinite(gains[k]).any()]
+    columns = 2 if adaptive else 1
+    width = PAGE if adaptive else COLUMN
+    figure = Figure(figsize=(width, 0.5 + 1.05 * count), layout="constrained")
+    axes = figure.subplots(count, columns, sharex=True, squeeze=False)
+    time = dataset.time.to_numpy()
+    far_apart = spread(s) > FAR_APART
+    for i, name in enumerate(_titles(dataset)):
+        axes[i, 0].set_title(name, loc="left")
+        metre = "m" if dataset.joint_kind.to_numpy()[i] == "prismatic" else "rad"
+        for _, color, k in _controllers(dataset):
+            axes[i, -1].plot(*thinned(time, s[k, :, i]), color=color, linewidth=0.6)
+            if k in adaptive:
+                axes[i, 0].plot(*thinned(time, gains[k, :, i]), color=color)
+        axes[i, -1].set_ylabel(rf"$s_{{{i + 1}}}$ [{metre}/s]")
+        if adaptive:
+            axes[i, 0].set_ylabel(rf"$\hat{{k}}_{{{i + 1}}}$ [{metre}/s$^2$]")
+            axes[i, 0].set_ylim(bottom=0.0)
+            axes[i, 0].yaxis.set_label_coords(-0.12, 0.5)
+        axes[i, -1].yaxis.set_label_coords(-0.15, 0.5)
+        if far_apart:
+            axes[i, -1].set_yscale("symlog", linthresh=_linear_until(s[:, :, i]))
+    _finish(figure, axes[-1], dataset)
+    return figure
+
+
+def torque_figure(dataset: xr.Dataset, limit: Array) -> Figure:
+    """Torque of every joint (rows) under every controller (columns), with the limit where it is near."""
+    count, controllers = dataset.sizes["joint"], list(_controllers(dataset))
+    figure = Figure(figsize=(PAGE, 0.45 + 1.05 * count), layout="constrained")
+    axes = figure.subplots(count, len(controllers), sharex=True, sharey="row", squeeze=False)
+    time, torque = dataset.time.to_numpy(), _by_controller(dataset, "torque")
+    for i, name in enumerate(_titles(dataset)):
+        unit = "N" if dataset.joint_kind.to_numpy()[i] == "prismatic" else "N·m"
+        largest = np.fmax.reduce(np.abs(torque[:, :, i]), axis=None)
+        for label, color, k in controllers:
+            axis = axes[i, k]
+            axis.plot(*thinned(time[:-1], torque[k, :-1, i], points=600), color=color, linewidth=0.5)
+            if largest > 0.6 * limit[i]:
+                for side in (-limit[i], limit[i]):
+                    axis.axhline(side, color=GREY, linestyle="--", linewidth=0.6)
+            if i == 0:
+                axis.set_title(label)
+        axes[i, 0].set_ylabel(f"{name}\n" + rf"$\tau_{{{i + 1}}}$ [{unit}]")
+        axes[i, 0].yaxis.set_label_coords(-0.2, 0.5)  # one below the other; aligning them afterwards costs seconds
+    for axis in axes[-1]:
+        axis.set_xlabel(TIME)
+    _whole_run(figure, time)
+    return figure
+
+
+def error_figure(dataset: xr.Dataset, limit: Array) -> Figure:
+    """Tracking error of every joint, all controllers; its size on a logarithmic axis where they are far apart."""
+    figure, axes = _joint_grid(dataset)
+    time = dataset.time.to_numpy()
+    error = dataset.q_ref.to_numpy() - _by_controller(dataset, "q")
+    logarithmic = spread(error) > FAR_APART
+    for i, axis in enumerate(axes):
+        factor, unit = _angle(dataset, i)
+        for _, color, k in _controllers(dataset):
+            if logarithmic:
+                axis.plot(*running_max(time, factor * np.abs(error[k, :, i])), color=color)
+            else:
+                axis.plot(*thinned(time, factor * error[k, :, i]), color=color)
+        if logarithmic:
+            axis.set_yscale("log")
+            low, high = axis.get_ylim()
+            axis.set_ylim(bottom=max(low, 1e-5 * high))  # what starts on the reference starts at 0
+        axis.set_ylabel(rf"$|e_{{{i + 1}}}|$ [{unit}]" if logarithmic else rf"$e_{{{i + 1}}}$ [{unit}]")
+    _legend(figure, dataset)
+    return figure
+
+
+FIGURES: Mapping[str, Drawing] = MappingProxyType(
+    {
+        "reference": Drawing("The motion to follow: desired positions of the joints.", reference_figure),
+        "errors": Drawing("Tracking error of every joint.", error_figure),
+        "gains_and_s": Drawing("Switching gains and sliding variables.", gains_and_s_figure),
+        "torques": Drawing("Torque of every joint, after the drive's limits.", torque_figure),
+    }
+)
+"""The figures by the names of their files, in the order of the report."""
+
+
+def _joint_grid(dataset: xr.Dataset) -> tuple[Figure, list[Axes]]:
+    """A panel for each joint: one above the other for few joints, side by side across the page for more."""
+    count = dataset.sizes["joint"]
+    columns = {1: 1, 2: 1, 3: 1, 4: 2, 5: 3, 6: 3, 9: 3}.get(count, 4)
+    rows = -(-count // columns)
+    size = (COLUMN if columns == 1 else PAGE, 0.45 + 1.15 * rows)
+    figure = Figure(figsize=size, layout="constrained")
+    grid = figure.subplots(rows, columns, sharex=True, squeeze=False)
+    axes = list(grid.ravel())
+    for axis in axes[count:]:
+        axis.remove()
+    for i, (axis, name) in enumerate(zip(axes, _titles(dataset), strict=False)):
+        axis.set_title(name, loc="left")
+        if i + columns >= count:  # nothing below it
+            axis.tick_params(labelbottom=True)
+        if i // columns == rows - 1:
+            axis.set_xlabel(TIME)
+    _whole_run(figure, dataset.time.to_numpy())
+    return figure, axes[:count]
+
+
+def _titles(dataset: xr.Dataset) -> list[str]:
+    return [for_figure(name) for name in short_names(list(dataset.joint.to_numpy()))]
+
+
+def _by_controller(dataset: xr.Dataset, name: str) -> Array:
+    values: Array = dataset[name].transpose("controller", "time", "joint").to_numpy()
+    return values
+
+
+def _controllers(dataset: xr.Dataset) -> Iterator[tuple[str, str, int]]:
+    """Label, colour and index of each controller."""
+    labels = [str(label) for label in dataset.controller.to_numpy()]
+    colors = controller_colors(labels)
+    return ((for_figure(label), colors[label], k) for k, label in enumerate(labels))
+
+
+def _linear_until(values: Array) -> float:
+    """Where a symmetric logarithmic axis turns linear: within what the law with the smallest values shows."""
+    largest = np.fmax.reduce(np.abs(values), axis=1)
+    smallest = np.min(largest[np.isfinite(largest) & (largest > 0.0)], initial=np.inf)
+    return float(10.0 ** np.floor(np.log10(smallest))) if np.isfinite(smallest) else 1.0
+
+
+def _angle(dataset: xr.Dataset, joint: int) -> tuple[float, str]:
+    prismatic = dataset.joint_kind.to_numpy()[joint] == "prismatic"
+    return (1e3, "mm") if prismatic else (180.0 / np.pi, "deg")
+
+
+def _finish(figure: Figure, lowest: Array, dataset: xr.Dataset) -> None:
+    for axis in lowest:
+        axis.set_xlabel(TIME)
+    _whole_run(figure, dataset.time.to_numpy())
+    _legend(figure, dataset)
+
+
+def _whole_run(figure: Figure, time: Array) -> None:
+    for axis in figure.axes:
+        axis.set_xlim(time[0], time[-1])
+
+
+def _legend(figure: Figure, dataset: xr.Dataset) -> None:
+    lines = [Line2D([], [], color=color, label=label, linewidth=1.2) for label, color, _ in _controllers(dataset)]
+    figure.legend(handles=lines, loc="outside upper center", ncols=min(len(lines), 5))

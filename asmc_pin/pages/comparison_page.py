@@ -1,0 +1,241 @@
+"""`report.html`: what a comparison found, on one page that opens offline and can be mailed.
+
+Nothing in it depends on when or where it was made: the same result gives the same bytes. Figures are the PNG files of
+the result; the motion and its error over time are interactive. (plotly's bundle alone would weigh twice the rest.)
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterator
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+
+import numpy as np
+
+from asmc_pin.arms import Arm
+from asmc_pin.condition.hypotheses import Premises
+from asmc_pin.condition.premises import premises_along
+from asmc_pin.disk.files import write_whole
+from asmc_pin.disk.reading import read_file, shown
+from asmc_pin.errors import ResultError
+from asmc_pin.metrics import METRICS
+from asmc_pin.pages.comparison_figures import FIGURES
+from asmc_pin.pages.html_fragments import definition_list, definitions, details, table_html
+from asmc_pin.pages.summary_tables import Table, metric_table, number, overview, per_joint, tool_table
+from asmc_pin.pages.theorem_figures import CAPTION as THEOREMS_CAPTION
+from asmc_pin.pages.theorem_figures import NAME as THEOREMS
+from asmc_pin.pages.theorem_section import theorem_section
+from asmc_pin.results.result_folder import Result
+from asmc_pin.viewer import controller_colors, player_scripts, replay_fragment, static
+from asmc_pin.viewer.player_page import POLICY
+from asmc_pin.words.media import for_html
+
+_MOST_FIGURES, _LARGEST_FIGURE = 50, 20_000_000
+
+
+def report_html(result: Result, path: str | Path) -> None:
+    """Write the report of a comparison.
+
+    Args:
+        result: See `asmc_pin.results.result_folder.load_result`. Its figures are embedded where its folder has them.
+        path: Where to, usually ``report.html`` in the result's folder.
+
+    Raises:
+        ResultError: The arm cannot be loaded any more, or the page cannot be written.
+    """
+    write_whole(path, report_text(result))
+
+
+def report_text(result: Result) -> str:
+    """The page itself; see `report_html`."""
+    replay = replay_fragment(result)
+    body = [
+        *_head(result),
+        '<h2 id="motion">Motion</h2>',
+        f'<div class="panel">{replay}</div>',
+        '<p class="soft">Drag to turn, scroll to zoom after a click, space plays and pauses. The translucent arm is '
+        "the reference; <em>Errors</em> magnifies the differences from it.</p>",
+        *_tables(result),
+        *_figures(result),
+        *([] if result.claims is None else theorem_section(result.claims, controller_colors(_label_list(result)))),
+        *_conditions(result),
+        '<h2 id="metrics">How the figures are defined</h2>',
+        '<p class="soft">Computed from the recorded trajectories, for each joint; e = q<sub>d</sub> − q. A law that '
+        "diverged has no figures.</p>",
+        f'<div class="scroll" tabindex="0">{definitions(METRICS.values())}</div>',
+        *_provenance(result),
+    ]
+    return Template(_static("report.html")).substitute(
+        policy=POLICY,
+        title=for_html(f"{result.experiment.name}: {' · '.join(_label_list(result))}"),
+        style=static("player.css") + _static("report.css"),
+        body="\n".join(body),
+        scripts=player_scripts(),
+    )
+
+
+def _head(result: Result) -> Iterator[str]:
+    experiment = result.experiment
+    about, arm = _about(result)
+    trials = result.dataset.sizes["trial"]
+    several = f", {trials} trials" if trials > 1 else ""
+    yield f"<h1>{for_html(experiment.name)}</h1>"
+    yield (
+        f'<p class="lead">{for_html(", ".join(_label_list(result)))} on {for_html(about.title)}, {arm.nv} joints, '
+        f"{experiment.duration:g} s, control period {1e3 * experiment.period:g} ms{several}.</p>"
+    )
+    yield '<ul class="cards">'
+    yield from _cards(result)
+    yield "</ul>"
+    attributes = result.dataset.attrs
+    lines = [("warning", line) for line in str(attributes.get("warnings", "")).splitlines()]
+    lines += [("note", line) for line in str(attributes.get("notes", "")).splitlines()]
+    lines += [("note", f"URDF: {line}") for line in arm.warnings]
+    if lines:
+        yield '<ul class="notes">'
+        for kind, line in lines:
+            sign = "Warning: " if kind == "warning" else ""
+            yield f'<li class="{kind}">{sign}{for_html(line)}</li>'
+        yield "</ul>"
+
+
+def _cards(result: Result) -> Iterator[str]:
+    """One card for each controller: did it hold, and its RMS error at the worst joint."""
+    dataset, colours = result.dataset, controller_colors(_label_list(result))
+    labels, units, errors = per_joint(result.summary[result.summary.trial == 0], "rms_error")
+    unit = "deg" if "deg" in units else units[0]
+    alike = np.array(units) == unit
+    worst = dict(zip(labels, errors[:, alike].max(axis=1), strict=True))
+    for k, label in enumerate(_label_list(result)):
+        states = [str(state) for state in dataset.status.to_numpy()[k]]
+        ends = dataset.end_time.to_numpy()[k]
+        over = [i for i, state in enumerate(states) if state != "ok"]
+        if not over:
+            state = "ran to the end" if len(states) == 1 else f"all {len(states)} trials ran to the end"
+        elif len(states) == 1:
+            state = f"{states[0]} at {ends[0]:.3g} s"
+        else:
+            state = f"{len(over)} of {len(states)} trials {states[over[0]]}"
+        figure = number(worst[label]) + (f" {unit}" if np.isfinite(worst[label]) else "")
+        yield (
+            f'<li style="--colour:{colours[label]}"><b>{for_html(label)}</b>'
+            f'<span class="law">{for_html(str(dataset.law.to_numpy()[k]))}</span>'
+            f'<span class="figure">{figure}<small>RMS error, worst joint</small></span>'
+            f'<span class="state{" is-over" if over else ""}">{for_html(state)}</span></li>'
+        )
+
+
+def _tables(result: Result) -> Iterator[str]:
+    colours = controller_colors(_label_list(result))
+
+    def html(table: Table) -> str:
+        return f'<div class="scroll" tabindex="0">{table_html(table, colours)}</div>'
+
+    summary = result.summary
+    table = overview(summary)
+    yield '<h2 id="summary">Comparison</h2>'
+    yield f"<p>{for_html(table.title)} of each joint; the worst error of all, and the chatter of the torque.</p>"
+    yield html(table)
+    yield (
+        '<p class="soft">Worst error: the largest of all joints over the run. Chatter: torque '
+        "variation per second, summed over the joints. Marked: the best figure of a column. Dash: not defined.</p>"
+    )
+    tool = tool_table(summary)
+    if tool is not None:
+        yield f"<h3>{for_html(tool.title)}</h3>"
+        yield '<p class="soft">Distance of the frame from where the reference has it, and angle of the turn.</p>'
+        yield html(tool)
+    names = sorted(METRICS, key=lambda name: not METRICS[name].main)
+    rest = [name for name in names if name != "rms_error" and summary[name].notna().any()]
+    parts = []
+    for name in rest:
+        table = metric_table(summary, name)
+        parts.append(
+            f'<h3>{for_html(table.title)}</h3><p class="soft"><code>{for_html(METRICS[name].formula)}</code></p>'
+        )
+        parts.append(html(table))
+    yield details("All metrics, joint by joint", f'<div class="body">{"".join(parts)}</div>')
+
+
+def _figures(result: Result) -> Iterator[str]:
+    there = {path.stem: path for path in sorted((result.path / "figures").glob("*.png"))}
+    if not there:
+        return
+    if len(there) > _MOST_FIGURES:
+        raise ResultError(result.path, f"{result.path}: has {len(there)} figures, at most {_MOST_FIGURES} expected")
+    yield '<h2 id="figures">Figures</h2>'
+    captions = {name: drawing.caption for name, drawing in FIGURES.items()} | {THEOREMS: THEOREMS_CAPTION}
+    for name in [*(name for name in captions if name in there), *(name for name in there if name not in captions)]:
+        path, caption = there[name], captions.get(name, f"{name.replace('_', ' ').capitalize()}.")
+        data = base64.b64encode(_figure(result, path)).decode()
+        yield (
+            f'<figure><div class="paper"><img alt="{for_html(caption)}" src="data:image/png;base64,{data}"></div>'
+            f"<figcaption>{for_html(caption)}</figcaption></figure>"
+        )
+
+
+def _figure(result: Result, path: Path) -> bytes:
+    """A figure of the result's own: a link out of the folder would put another file into a page that is mailed."""
+    if not path.resolve().is_relative_to(result.path.resolve()):
+        raise ResultError(result.path, f"{shown(path)}: lies elsewhere; a result's figures are in its folder")
+    data = read_file(path, _LARGEST_FIGURE, "a figure", lambda message: ResultError(result.path, message))
+    if not data.startswith(b"\x89PNG\r\n"):
+        raise ResultError(result.path, f"{shown(path)}: is no PNG file; run the comparison again")
+    return data
+
+
+def _conditions(result: Result) -> Iterator[str]:
+    about, arm = _about(result)
+    yield '<h2 id="conditions">Arm and experiment</h2>'
+    yield f'<div class="scroll" tabindex="0">{table_html(_joint_table(arm), {})}</div>'
+    yield definition_list(about.rows())
+    yield details("The experiment as run", f"<pre>{for_html(result.experiment.to_toml().strip())}</pre>")
+
+
+def _about(result: Result) -> tuple[Premises, Arm]:
+    """The simulated arm, with the rotors of its drives, and what is supposed about it."""
+    arm = result.experiment.build_plant().arm
+    return premises_along(arm, result.dataset.q_ref.to_numpy()), arm
+
+
+def _joint_table(arm: Arm) -> Table:
+    rows = []
+    for i, name in enumerate(arm.joint_names):
+        turns = arm.joint_kinds[i] == "revolute"
+        factor, unit = (180.0 / np.pi, "deg") if turns else (1e3, "mm")
+        low, high = factor * arm.lower[i], factor * arm.upper[i]
+        reach = f"{number(low)} … {number(high)} {unit}" if np.isfinite(low) and np.isfinite(high) else "not declared"
+        effort = arm.effort_limit[i]
+        force = f"{number(float(effort))} {'N·m' if turns else 'N'}" if np.isfinite(effort) else "not declared"
+        rows.append([name, arm.joint_kinds[i], reach, force, f"{number(float(arm.armature[i]))}"])
+    return Table("Joints", ["joint", "kind", "range", "effort limit", "reflected inertia [kg·m² or kg]"], rows)
+
+
+def _provenance(result: Result) -> Iterator[str]:
+    arm = result.experiment.build_arm()
+    yield '<h2 id="provenance">Where this comes from</h2>'
+    yield definition_list(
+        [
+            ("URDF", arm.source.name),
+            ("SHA-256 of the URDF", str(result.provenance.get("arm", {}).get("sha256", arm.sha256))),
+            ("Seed", str(result.experiment.seed)),
+            ("Trajectories", "trajectories.nc"),
+            ("Summary", "summary.parquet, summary.md, summary.tex"),
+        ]
+    )
+    yield (
+        "<footer>Made by asmc_pin. Versions of the software and times stand in provenance.json beside this page; "
+        "all else is bitwise repeatable on the same machine.</footer>"
+    )
+
+
+def _label_list(result: Result) -> list[str]:
+    return [str(label) for label in result.dataset.controller.to_numpy()]
+
+
+@cache
+def _static(name: str) -> str:
+    return (files("asmc_pin.pages") / "static" / name).read_text(encoding="utf-8")

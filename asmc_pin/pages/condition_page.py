@@ -1,0 +1,209 @@
+"""One page on M̄ that a reviewer can check: condition, arm, hash, bounds, method, figures; HTML or Markdown."""
+
+from __future__ import annotations
+
+import base64
+import io
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib import colormaps
+
+from asmc_pin.condition import ConditionReport, DesignReport
+from asmc_pin.disk.files import write_whole
+from asmc_pin.errors import ParameterError
+from asmc_pin.pages.condition_figures import COLOURS, along_figure, distribution_figure, maps_figure, trade_off_figure
+from asmc_pin.pages.condition_words import facts, headline, joint_table, meaning, sentence
+from asmc_pin.pages.figure_style import paper_style
+from asmc_pin.pages.summary_tables import Table, markdown_table
+from asmc_pin.viewer.drawing.drawn_bodies import draw
+from asmc_pin.viewer.played_motion import Motion, describe
+from asmc_pin.viewer.player_page import POLICY, player_scripts, replay_element, static
+from asmc_pin.words.media import for_html, for_markdown
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from asmc_pin.arms import Arm
+
+_WORST = "#D55E00"
+
+
+@dataclass(frozen=True, eq=False)
+class _Plate:
+    """A figure, its file's name and its caption."""
+
+    name: str
+    figure: Figure
+    caption: str
+
+
+def write_condition_report(report: ConditionReport | DesignReport, arm: Arm, path: str | Path) -> None:
+    """Write the page.
+
+    Args:
+        report: What `verify` or `design` said.
+        arm: The arm that was asked about.
+        path: Ends in ``.html`` (one file, figures and the arm in its worst configuration inside, opens offline) or in
+            ``.md`` (figures as PNG files beside it).
+
+    Raises:
+        ParameterError: Another suffix.
+        ResultError: The file cannot be written.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in (".html", ".md"):
+        raise ParameterError("report", f"{path.name} ends in neither .html nor .md; the ending chooses the form")
+    plates = list(_plates(report))
+    if path.suffix.lower() == ".html":
+        write_whole(path, _html(report, arm, plates))
+        return
+    for plate in plates:
+        write_whole(path.with_name(f"{path.stem}_{plate.name}.png"), _png(plate.figure))
+    write_whole(path, _markdown(report, arm, plates, path.stem))
+
+
+def _plates(report: ConditionReport | DesignReport) -> list[_Plate]:
+    check = report.check if isinstance(report, DesignReport) else report
+    plates = []
+    if isinstance(report, DesignReport) and len(report.trade_off) > 1:
+        caption = "Norm against the slowest mode of the estimate, from least norm to largest guaranteed bandwidth."
+        plates.append(_Plate("trade_off", trade_off_figure(report), caption))
+    if check is None:
+        return plates
+    if check.times is not None:
+        caption = "The norm over time" + (", largest of each slice of the tube." if check.scope == "tube" else ".")
+        plates.append(_Plate("along", along_figure(check), caption))
+    caption = "How often the samples have which norm; dashed, the largest that was found by local maximisation."
+    plates.append(_Plate("distribution", distribution_figure(check), caption))
+    maps = maps_figure(check, check.subject)
+    if maps is not None:
+        caption = "The norm over pairs of joints, the others as in the worst configuration (cross). Axes in rad (m)."
+        plates.append(_Plate("maps", maps, caption))
+    return plates
+
+
+def _html(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Plate]) -> str:
+    check = report.check if isinstance(report, DesignReport) else report
+    body = [
+        f"<h1>{for_html(headline(report))}</h1>",
+        f'<p class="lead">{for_html(report.formula)}</p>',
+        f"<p>{for_html(sentence(report))}</p>",
+    ]
+    notes = list(check.notes) if check is not None else []
+    if notes:
+        body.append('<ul class="notes">' + "".join(f'<li class="note">{for_html(n)}</li>' for n in notes) + "</ul>")
+    if isinstance(report, DesignReport):
+        body.append("<h2>Why this M̄, and what would help</h2>")
+        body += [f"<p>{for_html(line)}</p>" for line in report.reasons()]
+    body += ["<h2>What was asked and how</h2>", "<dl>"]
+    body += [f"<dt>{for_html(term)}</dt><dd>{for_html(value)}</dd>" for term, value in facts(report, arm)]
+    body.append("</dl>")
+    if check is not None:
+        head, rows = joint_table(check, arm)
+        cells = "".join(
+            "<tr>"
+            + f'<th scope="row">{for_html(row[0])}</th>'
+            + "".join(f"<td>{for_html(c)}</td>" for c in row[1:])
+            + "</tr>"
+            for row in rows
+        )
+        header = "".join(f'<th scope="col">{for_html(cell)}</th>' for cell in head)
+        body.append('<h2>Joints and the worst configuration</h2><div class="scroll" tabindex="0">')
+        body.append(f"<table><thead><tr>{header}</tr></thead><tbody>{cells}</tbody></table></div>")
+        body.append(f"<h3>{for_html(check.subject.name)} in its worst configuration</h3>")
+        body.append(f'<div class="panel">{_posture(check)}</div>')
+        if check.motion is not None:
+            body.append("<h3>The motion, coloured by the norm: dark where it is least, bright where it is largest</h3>")
+            body.append(f'<div class="panel">{_along(check)}</div>')
+        body.append("<h2>Figures</h2>")
+    for plate in plates:
+        data = base64.b64encode(_png(plate.figure)).decode()
+        image = f'<img alt="{for_html(plate.caption)}" src="data:image/png;base64,{data}">'
+        body.append(
+            f'<figure><div class="paper">{image}</div><figcaption>{for_html(plate.caption)}</figcaption></figure>'
+        )
+    body.append("<h2>What the condition means</h2>")
+    body += [f"<p>{for_html(line)}</p>" for line in meaning(report.condition)]
+    return Template(_static("report.html")).substitute(
+        policy=POLICY,
+        title=for_html(headline(report)),
+        style=static("player.css") + _static("report.css"),
+        body="\n".join(body),
+        scripts=player_scripts() if check is not None else "",
+    )
+
+
+def _markdown(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Plate], stem: str) -> str:
+    check = report.check if isinstance(report, DesignReport) else report
+    lines = [
+        f"# {for_markdown(headline(report))}",
+        "",
+        f"`{report.formula}`",
+        "",
+        for_markdown(sentence(report)),
+    ]
+    if check is not None and check.notes:
+        lines += ["", *(f"- {for_markdown(note)}" for note in check.notes)]
+    if isinstance(report, DesignReport):
+        lines += [
+            "",
+            "## Why this M̄, and what would help",
+            "",
+            *(f"- {for_markdown(line)}" for line in report.reasons()),
+        ]
+    lines += [
+        "",
+        "## What was asked and how",
+        "",
+        *(f"- **{term}**: {for_markdown(value)}" for term, value in facts(report, arm)),
+    ]
+    if check is not None:
+        head, rows = joint_table(check, arm)
+        lines += ["", "## Joints and the worst configuration", "", markdown_table(Table("", head, rows))]
+    for plate in plates:
+        lines += [
+            "",
+            f"![{for_markdown(plate.caption)}](<{stem}_{plate.name}.png>)",
+            "",
+            f"*{for_markdown(plate.caption)}*",
+        ]
+    lines += ["", "## What the condition means", "", "\n\n".join(meaning(report.condition))]
+    return "\n".join(lines) + "\n"
+
+
+def _posture(check: ConditionReport) -> str:
+    """The arm in its worst configuration."""
+    drawn = draw(check.subject)
+    label = f"norm {check.lower:.6g}"
+    motion = Motion(label=label, colour=_WORST, q=check.worst_q[None, :])
+    description = describe(drawn, check.joints, np.zeros(1), [motion], None)
+    return replay_element(description, drawn.notes, embedded=True)
+
+
+def _along(check: ConditionReport) -> str:
+    """The arm on its motion, coloured by the norm from dark (least) to bright (largest)."""
+    assert check.times is not None
+    assert check.norms is not None
+    assert check.motion is not None
+    span = float(np.ptp(check.norms))
+    shades = colormaps[COLOURS]((check.norms - check.norms.min()) / (span or 1.0))[:, :3]
+    motion = Motion("along the motion", _WORST, check.motion, shades=shades, reading=("norm", check.norms))
+    drawn = draw(check.subject)
+    description = describe(drawn, check.joints, check.times - check.times[0], [motion], None)
+    return replay_element(description, drawn.notes, embedded=True)
+
+
+def _png(figure: Figure) -> bytes:
+    buffer = io.BytesIO()
+    with paper_style():
+        figure.savefig(buffer, format="png", metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def _static(name: str) -> str:
+    return (files("asmc_pin.pages") / "static" / name).read_text(encoding="utf-8")

@@ -1,0 +1,55 @@
+"""Pieces of HTML that the report is put together from; whatever comes from a file is escaped here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from asmc_pin.metrics import Metric
+from asmc_pin.pages.summary_tables import Table
+from asmc_pin.words.media import for_html
+
+
+def table_html(table: Table, colours: Mapping[str, str]) -> str:
+    """A table whose rows are named by their first cell; the best figure of each column is marked.
+
+    Args:
+        table: What it shows.
+        colours: Colour of each controller, shown beside its name.
+    """
+    marked = table.marked()
+    head = "".join(f'<th scope="col">{for_html(cell)}</th>' for cell in table.header)
+    rows = []
+    for i, line in enumerate(table.rows):
+        colour = colours.get(line[0]) or colours.get(line[0].partition(", trial ")[0])
+        chip = f'<span class="chip" style="--colour:{colour}"></span>' if colour else ""
+        cells = "".join(_cell(cell, (i, j) in marked) for j, cell in enumerate(line[1:], start=1))
+        rows.append(f'<tr><th scope="row">{chip}{for_html(line[0])}</th>{cells}</tr>')
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
+
+
+def _cell(text: str, best: bool) -> str:
+    kind = ' class="best"' if best else ' class="over"' if text.startswith("diverged") else ""
+    return f"<td{kind}>{for_html(text)}</td>"
+
+
+def definitions(metrics: Iterable[Metric]) -> str:
+    """A table of metrics: name, unit, formula, source."""
+    rows = "".join(
+        f'<tr><th scope="row">{for_html(metric.title)}</th><td>{for_html(metric.unit)}</td>'
+        f"<td><code>{for_html(metric.formula)}</code></td><td>{for_html(metric.source)}</td></tr>"
+        for metric in metrics
+    )
+    head = "".join(
+        f'<th scope="col" class="text">{cell}</th>' for cell in ("Metric", "SI unit", "Definition", "Source")
+    )
+    return f'<table class="definitions"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>'
+
+
+def definition_list(facts: Sequence[tuple[str, str]]) -> str:
+    """Terms and what they are."""
+    return "<dl>" + "".join(f"<dt>{for_html(term)}</dt><dd>{for_html(value)}</dd>" for term, value in facts) + "</dl>"
+
+
+def details(summary: str, content: str) -> str:
+    """Something to unfold. The summary is plain text, the content HTML."""
+    return f"<details><summary>{for_html(summary)}</summary>{content}</details>"

@@ -1,0 +1,51 @@
+"""The summary as a LaTeX table, for a paper."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import pandas as pd
+
+from asmc_pin.metrics import METRICS
+from asmc_pin.pages.summary_tables import metric_table
+from asmc_pin.words.media import for_latex
+
+
+def latex_table(summary: pd.DataFrame, metrics: Sequence[str] | None = None) -> str:
+    """A ``table`` environment: a block for each metric, a row for each controller, a column for each joint.
+
+    It needs ``booktabs`` and nothing else. Joints are numbered, base first; the caption names them.
+
+    Args:
+        summary: Rows of a comparison.
+        metrics: Which metrics to show; those that a person reads first when omitted.
+    """
+    joints = list(dict.fromkeys(summary.joint))
+    name, arm = str(summary.experiment.iloc[0]), str(summary.arm.iloc[0])
+    listed = ", ".join(f"{i + 1}: {for_latex(joint)}" for i, joint in enumerate(joints))
+    count = len(joints)
+    environment = "table" if count <= 3 else "table*"  # across both columns of a page
+    lines = [
+        r"% Needs \usepackage{booktabs}.",
+        rf"\begin{{{environment}}}[t]",
+        r"  \centering",
+        rf"  \caption{{Comparison ``{for_latex(name)}'' on {for_latex(arm)}; joints {listed}.}}",
+        rf"  \label{{tab:{re.sub(r'[^A-Za-z0-9-]', '-', name)}}}",
+        rf"  \begin{{tabular}}{{l{'r' * count}}}",
+        r"    \toprule",
+        rf"    & \multicolumn{{{count}}}{{c}}{{Joint}} \\",
+        rf"    \cmidrule(l){{2-{count + 1}}}",
+        "    Controller & " + " & ".join(str(i + 1) for i in range(count)) + r" \\",
+    ]
+    for name in [key for key, metric in METRICS.items() if metric.main] if metrics is None else metrics:
+        table = metric_table(summary, name)
+        units = re.findall(r"\[(.+?)\]$", table.title)
+        title = for_latex(table.title.partition(" [")[0]) + (f" [{for_latex(units[0])}]" if units else "")
+        lines += [r"    \midrule", rf"    \multicolumn{{{count + 1}}}{{l}}{{\emph{{{title}}}}} \\"]
+        rows = [[for_latex(cell) for cell in row] for row in table.rows]
+        for row, column in table.marked():
+            rows[row][column] = rf"\textbf{{{rows[row][column]}}}"
+        lines += ["    " + " & ".join(row) + r" \\" for row in rows]
+    lines += [r"    \bottomrule", r"  \end{tabular}", rf"\end{{{environment}}}", ""]
+    return "\n".join(lines)

@@ -1,0 +1,42 @@
+"""The theorems' section of a report page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import pandas as pd
+
+from asmc_pin.monitors import STATEMENTS
+from asmc_pin.pages.html_fragments import definition_list, details
+from asmc_pin.pages.theorem_tables import INTRODUCTION, TITLE, reasons, theorem_table
+from asmc_pin.words.media import for_html
+
+
+def theorem_section(claims: pd.DataFrame, colours: Mapping[str, str]) -> Iterator[str]:
+    """The verdicts, a row for each controller, then what each claim says and why it held or not.
+
+    Args:
+        claims: See `asmc_pin.monitors.claim_rows`.
+        colours: Colour of each controller, shown beside its name.
+    """
+    table = theorem_table(claims)
+    yield f'<h2 id="theorems">{for_html(TITLE)}</h2><p class="soft">{for_html(INTRODUCTION)}</p>'
+    head = "".join(f'<th scope="col">{for_html(item.title)}</th>' for item in STATEMENTS.values())
+    rows = []
+    for i, label in enumerate(table.header[1:], start=1):
+        chip = f'<span class="chip" style="--colour:{colours[label]}"></span>' if label in colours else ""
+        cells = "".join(_cell(row[i]) for row in table.rows)
+        rows.append(f'<tr><th scope="row">{chip}{for_html(label)}</th>{cells}</tr>')
+    body = f"<thead><tr><th></th>{head}</tr></thead><tbody>{''.join(rows)}</tbody>"
+    yield f'<div class="scroll" tabindex="0"><table class="claims">{body}</table></div>'
+    texts = definition_list([(item.title, item.text) for item in STATEMENTS.values()])
+    yield details("What each claim says", f'<div class="body">{texts}</div>')
+    for label, lines in reasons(claims):
+        items = "".join(f"<li>{for_html(line)}</li>" for line in lines)
+        yield details(f"{label}: what was seen, and why", f'<ul class="body">{items}</ul>')
+
+
+def _cell(text: str) -> str:
+    verdict = text.partition(" ")[0] if text.startswith(("broken", "held")) else text
+    kind = {"held": "held", "broken": "over"}.get(verdict, "soft")
+    return f'<td class="{kind}"><b>{for_html(verdict)}</b>{for_html(text.removeprefix(verdict))}</td>'

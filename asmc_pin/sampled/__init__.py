@@ -1,0 +1,38 @@
+"""The sampled closed loop: its exact linear map, where it is stable, and what margins and errors it has."""
+
+from asmc_pin.sampled.error_prediction import (
+    StepResponse,
+    TrackingPrediction,
+    drift_error,
+    predict_tracking,
+    reversal_estimate,
+    step_response,
+)
+from asmc_pin.sampled.linear_map import (
+    ClosedLoop,
+    closed_loop,
+    inertia_ratios,
+    modal_radius,
+    spectral_radius,
+)
+from asmc_pin.sampled.loop_limits import LoopLimits
+from asmc_pin.sampled.sampled_loop import SampledLoop
+from asmc_pin.sampled.stability_report import StabilityReport, stability
+
+__all__ = [
+    "ClosedLoop",
+    "LoopLimits",
+    "SampledLoop",
+    "StabilityReport",
+    "StepResponse",
+    "TrackingPrediction",
+    "closed_loop",
+    "drift_error",
+    "inertia_ratios",
+    "modal_radius",
+    "predict_tracking",
+    "reversal_estimate",
+    "spectral_radius",
+    "stability",
+    "step_response",
+]

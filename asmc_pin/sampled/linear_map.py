@@ -1,0 +1,153 @@
+"""The sampled closed loop of PPC (7), frozen at a configuration, as a linear map from tick to tick.
+
+Everything is written with the command in units of acceleration, u = M̄⁻¹τ, so that the arm enters through M⁻¹M̄ alone
+(and through M⁻¹ times viscous friction and gravity's stiffness, where asked for). Derived in docs/stability.md.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asmc_pin._typing import Array
+from asmc_pin.errors import NotPositiveDefinite, ParameterError
+from asmc_pin.sampled.sampled_loop import SampledLoop
+from asmc_pin.sampled.transition import Transition, transition
+
+
+@dataclass(frozen=True)
+class ClosedLoop:
+    """The map z_{k+1} = F z_k + E h_k + B w_k of the frozen loop around a set-point.
+
+    Attributes:
+        matrix: F, shape (..., N, N).
+        load: E, shape (..., N, nv): response to a load torque h (N·m, resisting: M q̈ = τ − h) held over one period.
+        command: B, shape (..., N, nv): response to an addition w (rad/s²) to the commanded acceleration M̄⁻¹τ_k.
+        blocks: Where each part of z lies. "q" and "v" are the deviation from the set-point (−e, −ė); "tde" is the term
+            M̄⁻¹τ(t−L) − q̈(t−L) that the controller adds; the rest is memory of the estimate, the filter and the delay.
+    """
+
+    matrix: Array
+    load: Array
+    command: Array
+    blocks: dict[str, slice]
+
+    def spectral_radius(self) -> Array:
+        """Largest modulus of F's eigenvalues, shape (...). Below 1 the frozen loop is asymptotically stable."""
+        return np.asarray(np.abs(np.linalg.eigvals(self.matrix)).max(axis=-1), dtype=np.float64)
+
+
+def closed_loop(
+    mass: Array,
+    loop: SampledLoop,
+    *,
+    viscous: ArrayLike | None = None,
+    stiffness: Array | None = None,
+    substeps: int | None = None,
+) -> ClosedLoop:
+    """The linear map of the sampled loop (7) with M(q) held constant.
+
+    Args:
+        mass: Inertia M(q), symmetric positive definite, shape (..., nv, nv), kg·m².
+        loop: Gains and timing.
+        viscous: Viscous friction, shape (nv,), N·m·s/rad; none by default.
+        stiffness: ∂g/∂q there, shape (..., nv, nv), N·m/rad, for the linearisation about rest; none by default.
+        substeps: None: the exact solution under held torque. A number: as many steps of the plant's own scheme, which
+            differs from it only where there is friction, stiffness, or a delay that ends within a step.
+
+    Returns:
+        The map. State order: q, v, tde, then as needed slope (position estimate), acceleration (filter), and command-1,
+        command-2, … (delay).
+    """
+    n, whole = loop.nv, math.floor(loop.delay)
+    fraction = loop.delay - whole
+    names = ["q", "v", "tde"]
+    names += ["slope"] if loop.acceleration == "position" else []
+    names += ["acceleration"] if loop.filter_hz is not None else []
+    names += [f"command-{i}" for i in range(1, math.ceil(loop.delay) + 1)]
+    blocks = {name: slice(i * n, (i + 1) * n) for i, name in enumerate(names)}
+    size = n * len(names)
+    batch = np.shape(mass)[:-2]
+
+    def signal(columns: slice) -> Array:
+        rows = np.zeros((n, size + 2 * n))
+        rows[:, columns] = np.eye(n)
+        return np.broadcast_to(rows, (*batch, n, size + 2 * n))
+
+    now = {name: signal(where) for name, where in blocks.items()}
+    load, extra = signal(slice(size, size + n)), signal(slice(size + n, size + 2 * n))
+    step = transition(
+        mass, loop.mbar, loop.period, fraction=fraction, viscous=viscous, stiffness=stiffness, substeps=substeps
+    )
+
+    # The controller, (7) with q_d = 0: e = −q, ė = −v.
+    command = now["tde"] - loop.kd[:, None] * now["v"] - loop.kp[:, None] * now["q"] + extra
+    commands = [command] + [now[name] for name in names if name.startswith("command-")]
+    recent = commands[whole]
+    older = commands[whole + 1] if fraction else recent
+    nxt = _advance(step, now, recent, older, load)
+
+    # What the drive reports, and the estimate of the acceleration that goes with it.
+    reported = (1.0 - fraction) * recent + fraction * older
+    if loop.acceleration == "velocity":
+        estimate = (nxt["v"] - now["v"]) / loop.period
+    else:
+        nxt["slope"] = (nxt["q"] - now["q"]) / loop.period
+        estimate = (nxt["slope"] - now["slope"]) / loop.period
+    if loop.filter_hz is not None:
+        estimate = now["acceleration"] + loop.smoothing * (estimate - now["acceleration"])
+        nxt["acceleration"] = estimate
+    nxt["tde"] = reported - estimate
+    for name, value in zip((name for name in names if name.startswith("command-")), commands, strict=False):
+        nxt[name] = value
+    rows = np.concatenate([nxt[name] for name in names], axis=-2)
+    return ClosedLoop(rows[..., :size], rows[..., size : size + n], rows[..., size + n :], blocks)
+
+
+def _advance(step: Transition, now: dict[str, Array], recent: Array, older: Array, load: Array) -> dict[str, Array]:
+    """Angles and velocities one period on, as rows over the state and the load."""
+    n = now["q"].shape[-2]
+    state = np.concatenate([now["q"], now["v"]], axis=-2)
+    rows = step.state @ state + step.recent @ recent + step.older @ older - step.load @ load
+    return {"q": rows[..., :n, :], "v": rows[..., n:, :]}
+
+
+def inertia_ratios(mass: Array, mbar: Array) -> Array:
+    """Eigenvalues a of M⁻¹M̄, ascending, shape (..., nv), dimensionless and positive.
+
+    Raises:
+        NotPositiveDefinite: carries the index of the first such matrix and its smallest eigenvalue.
+    """
+    root = np.sqrt(mbar)
+    ratio = np.linalg.eigvalsh(mass / (root[:, None] * root))
+    if not (ratio[..., 0] > 0.0).all():
+        index = tuple(int(i) for i in np.argwhere(~(ratio[..., 0] > 0.0))[0])
+        raise NotPositiveDefinite(index, float(np.linalg.eigvalsh(mass[index])[0]))
+    return np.asarray((1.0 / ratio)[..., ::-1], dtype=np.float64)
+
+
+def spectral_radius(
+    mass: Array, loop: SampledLoop, *, viscous: ArrayLike | None = None, stiffness: Array | None = None
+) -> Array:
+    """Spectral radius of the frozen loop, shape (...).
+
+    Takes one mode at a time where that is exact (K_s and β multiples of the identity, neither viscous friction nor
+    stiffness); the two ways give the same figure.
+
+    Raises:
+        NotPositiveDefinite: a matrix of `mass` is not positive definite.
+    """
+    ratios = inertia_ratios(mass, loop.mbar)
+    if loop.modal and viscous is None and stiffness is None:
+        return np.asarray(modal_radius(ratios, loop).max(axis=-1))
+    return closed_loop(mass, loop, viscous=viscous, stiffness=stiffness).spectral_radius()
+
+
+def modal_radius(ratios: Array, loop: SampledLoop) -> Array:
+    """Spectral radius of single modes with eigenvalues a of M⁻¹M̄, the shape of `ratios`; `loop` needs K_s = k_s I."""
+    if not loop.modal:
+        raise ParameterError("ks", "modes separate only when every joint has the same k_s and β; use spectral_radius")
+    return closed_loop(1.0 / ratios[..., None, None], loop.mode).spectral_radius()

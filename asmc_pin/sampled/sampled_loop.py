@@ -1,0 +1,121 @@
+"""Gains and timing of the sampled loop (7), as its linear analysis takes them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asmc_pin._typing import Array
+from asmc_pin.errors import ParameterError
+from asmc_pin.words.choices import Acceleration as Acceleration
+
+
+@dataclass(frozen=True)
+class SampledLoop:
+    """Gains and timing of the sampled loop (7); validated, and broadcast to one value per joint.
+
+    Attributes:
+        mbar: Diagonal of M̄, shape (nv,), kg·m², positive. Its length fixes nv.
+        ks: Diagonal of K_s, shape (nv,), 1/s, positive; a scalar is spread over the joints.
+        beta: β, shape (nv,), 1/s, positive; a scalar is spread over the joints. The law has a scalar β; values per
+            joint let the linear zone of a boundary layer be written as β + Kᵢ/Φᵢ.
+        period: Control period L, s.
+        acceleration: How q̈(t−L) is estimated: "velocity", (v_k − v_{k−1})/L, or "position",
+            (q_k − 2q_{k−1} + q_{k−2})/L².
+        filter_hz: Corner of the first-order low-pass on that estimate, Hz; None for no filter.
+        delay: Transport delay of the torque in periods, fractions allowed: a command of t_k acts from t_k + delay·L on.
+
+    Raises:
+        ParameterError: a value has a wrong size, sign, or is not finite.
+    """
+
+    mbar: Array
+    ks: Array
+    beta: Array
+    period: float
+    acceleration: Acceleration = "velocity"
+    filter_hz: float | None = None
+    delay: float = 0.0
+    nv: int = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        """Check and freeze the values."""
+        mbar = np.array(self.mbar, dtype=np.float64, ndmin=1)
+        object.__setattr__(self, "nv", mbar.size)
+        for name, unit in (("mbar", "kg·m²"), ("ks", "1/s"), ("beta", "1/s")):
+            object.__setattr__(self, name, positive_per_joint(name, getattr(self, name), mbar.size, unit))
+        if not (_is_number(self.period) and self.period > 0.0):
+            raise ParameterError("period", f"got {self.period!r}; expected a positive time in s, such as 0.001")
+        if self.acceleration not in get_args(Acceleration):
+            known = " or ".join(map(repr, get_args(Acceleration)))
+            raise ParameterError("acceleration", f"got {self.acceleration!r}; expected {known}")
+        if self.filter_hz is not None and not (_is_number(self.filter_hz) and self.filter_hz > 0.0):
+            raise ParameterError("filter_hz", f"got {self.filter_hz!r}; expected a positive frequency in Hz, or none")
+        if not (_is_number(self.delay) and self.delay >= 0.0):
+            raise ParameterError("delay", f"got {self.delay!r}; expected a number of periods, 0 or more")
+
+    def words(self) -> str:
+        """All of it for a person to read."""
+
+        def listed(values: Array) -> str:
+            return f"diag({', '.join(f'{x:.10g}' for x in values)})"
+
+        beta = f"{self.beta[0]:.10g}" if np.all(self.beta == self.beta[0]) else listed(self.beta)
+        return (
+            f"M̄ = {listed(self.mbar)} kg·m², K_s = {listed(self.ks)} 1/s, β = {beta} 1/s, L = {self.period:g} s, "
+            f"acceleration from {self.acceleration}"
+            + ("" if self.filter_hz is None else f" through a filter of {self.filter_hz:g} Hz")
+            + f", delay {self.delay:g} periods ({1e3 * self.delay * self.period:.3g} ms)"
+        )
+
+    def scaled(self, *, mbar: float = 1.0, ks: float = 1.0, beta: float = 1.0, period: float = 1.0) -> SampledLoop:
+        """The same loop with values multiplied by factors."""
+        return replace(self, mbar=self.mbar * mbar, ks=self.ks * ks, beta=self.beta * beta, period=self.period * period)
+
+    @property
+    def kd(self) -> Array:
+        """K_d = K_s + βI of (8), shape (nv,), 1/s."""
+        return self.ks + self.beta
+
+    @property
+    def kp(self) -> Array:
+        """K_p = βK_s of (8), shape (nv,), 1/s²."""
+        return self.ks * self.beta
+
+    @property
+    def smoothing(self) -> float:
+        """Share of the newest estimate in one step of the filter, 1 − exp(−2πfL); 1 without filter."""
+        if self.filter_hz is None:
+            return 1.0
+        return -math.expm1(-2.0 * math.pi * self.filter_hz * self.period)
+
+    @property
+    def modal(self) -> bool:
+        """Whether one mode at a time suffices: K_s and β are multiples of the identity."""
+        return bool(np.all(self.ks == self.ks[0]) and np.all(self.beta == self.beta[0]))
+
+    @property
+    def mode(self) -> SampledLoop:
+        """The loop of a single mode, with M̄ = 1; the mode's inertia is then 1/a."""
+        return replace(self, mbar=np.ones(1), ks=self.ks[:1], beta=self.beta[:1])
+
+
+def positive_per_joint(name: str, value: ArrayLike, nv: int, unit: str) -> Array:
+    """A positive value per joint, read-only, from a scalar or nv values."""
+    try:
+        given = np.asarray(value, dtype=np.float64)
+        spread = np.array(np.broadcast_to(given, (nv,)))
+    except (TypeError, ValueError):
+        raise ParameterError(name, f"got {value!r}; expected a number or {nv} of them, in {unit}") from None
+    if not (np.isfinite(spread).all() and (spread > 0.0).all()):
+        raise ParameterError(name, f"got {spread.tolist()}; every value must be finite and positive ({unit})")
+    spread.flags.writeable = False
+    return spread
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float, np.integer, np.floating)) and math.isfinite(value)

@@ -1,0 +1,257 @@
+"""Running every controller of an experiment on the same plant, and writing the result."""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+import traceback
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from asmc_pin.arms import Arm
+from asmc_pin.arms.frame_kinematics import FrameKinematics
+from asmc_pin.baselines import shown_label
+from asmc_pin.clock import Clock
+from asmc_pin.controllers import Controller
+from asmc_pin.engine import Rollout, rollout
+from asmc_pin.errors import AsmcPinError, ExperimentError, ParameterError
+from asmc_pin.experiment import Experiment
+from asmc_pin.pages.comparison_figures import draw_figures
+from asmc_pin.pages.latex_table import latex_table
+from asmc_pin.pages.theorem_tables import theorems_latex
+from asmc_pin.plant import Plant
+from asmc_pin.results import result_folder
+from asmc_pin.results.extra_signals import add_signals
+from asmc_pin.results.provenance import provenance
+from asmc_pin.study.comparison import Comparison, summary_rows
+from asmc_pin.study.comparison_notes import after_the_run, before_the_run, lemma1_along
+from asmc_pin.study.refinement import Refinement, refinement
+from asmc_pin.study.run_monitors import judge_theorems
+from asmc_pin.study.summary_text import summary_markdown
+from asmc_pin.study.tool_rows import add_tool_columns, add_tool_error
+from asmc_pin.tool_error import ToolError, tool_error
+from asmc_pin.words.text import printable
+
+Progress = Callable[[str, float], None]
+"""Told what is being done, and which share of all is done, 0 to 1."""
+
+_SIMULATION = 0.8  # of the time, roughly; the rest is writing and drawing
+
+
+def compare(
+    experiment: Experiment,
+    out: str | Path | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+    warn: Callable[[str], None] | None = None,
+    refine: bool = False,
+) -> Comparison:
+    """Run every controller of an experiment on the same plant and write the result.
+
+    The same experiment gives bitwise the same files on the same machine, but for ``provenance.json``.
+
+    Args:
+        experiment: See `asmc_pin.load_experiment`.
+        out: Folder of the result; ``results/NAME`` when omitted. It appears whole or not at all.
+        force: Whether a result that is there already may be replaced.
+        progress: Called now and then.
+        warn: Called with every warning as soon as it is known, which for most is before anything is run; all of them
+            are in the comparison too.
+        refine: Whether to run everything again with half the step, and to say how far each metric moves.
+
+    Returns:
+        The comparison. A law that diverged has status ``"diverged"`` in it; that is no error.
+
+    Raises:
+        ResultError: something is there that may not be replaced.
+        ExperimentError: a key does not fit the arm, or a law of one's own raised an exception.
+        ArmError: the URDF cannot be used.
+    """
+    folder = Path(out) if out is not None else Path("results") / experiment.name
+    result_folder.check_target(folder, force)
+    tell = progress or (lambda _what, _share: None)
+    say = warn or (lambda _line: None)
+    tell("loading", 0.0)
+    started = datetime.now(UTC)
+    plant, laws = experiment.build_plant(), experiment.build_controllers()
+    arm = plant.arm
+    _check_tool(experiment, arm)
+    lemma1 = lemma1_along(arm, *experiment.setpoints(), laws)
+    warnings = before_the_run(experiment, plant, laws, lemma1)
+    for line in warnings:
+        say(line)
+
+    shown = {label: shown_label(label, law) for label, law in laws.items()}
+    share = 1.0 / 3.0 if refine else 1.0  # half the step takes twice the time
+    runs, seconds = _runs(experiment, plant, laws, shown, lambda what, done: tell(what, share * done))
+    rows, tool = _rows(experiment, arm, runs, shown)
+    after = after_the_run({shown[label]: run for label, run in runs.items()})
+    refined = None
+    if refine:
+        refined = _refined(experiment, rows, shown, lambda what, done: tell(what, share + (_SIMULATION - share) * done))
+        after += refined.warnings()
+    for line in after:
+        warnings.append(line)
+        say(line)
+
+    comparison = Comparison(
+        experiment=experiment,
+        arm=arm,
+        out=folder,
+        rows=rows,
+        dataset=result_folder.trajectories(
+            arm,
+            {shown[label]: run for label, run in runs.items()},
+            {shown[label]: experiment.controllers[label]["law"] for label in laws},
+        ),
+        warnings=tuple(warnings),
+        lemma1=lemma1,
+        theorems=judge_theorems(plant, runs, laws, shown),
+        refinement=refined,
+        tool=tool,
+    )
+    add_signals(comparison.dataset, plant, list(runs.values()))
+    add_tool_error(comparison.dataset, list(comparison.tool.values()))
+    # For who reads the result back: the report, and a person with the trajectories alone.
+    comparison.dataset.attrs |= {"warnings": "\n".join(warnings), "notes": "\n".join(comparison.notes)}
+    with result_folder.whole_or_not_at_all(folder, force) as made:
+        lost = _write(comparison, plant, made, started, seconds, tell)
+    for line in lost:
+        say(line)
+    tell("done", 1.0)
+    return replace(comparison, warnings=(*comparison.warnings, *lost))
+
+
+def _runs(
+    experiment: Experiment, plant: Plant, laws: Mapping[str, Controller], shown: Mapping[str, str], tell: Progress
+) -> tuple[dict[str, Rollout], dict[str, float]]:
+    """Every law's run, and the seconds that it took, by label."""
+    runs, seconds = {}, {}
+    for i, (label, law) in enumerate(laws.items()):
+        clock = Clock()
+        runs[label] = _run(experiment, plant, label, law, _part(tell, shown[label], i, len(laws)))
+        seconds[label] = clock.seconds()
+    return runs, seconds
+
+
+def _refined(experiment: Experiment, rows: pd.DataFrame, shown: Mapping[str, str], tell: Progress) -> Refinement:
+    """The same with half the step."""
+    substeps = experiment.plant.substeps
+    finer = experiment.with_plant(substeps=2 * substeps)
+    plant, laws = finer.build_plant(), finer.build_controllers()
+    again = {label: f"{name}, half the step" for label, name in shown.items()}
+    runs, _ = _runs(finer, plant, laws, again, lambda what, done: tell(what, done / _SIMULATION))
+    return refinement(rows, _rows(finer, plant.arm, runs, shown)[0], substeps)
+
+
+def _check_tool(experiment: Experiment, arm: Arm) -> None:
+    """Say that there is no such tool before anything is run."""
+    if experiment.metrics.tool is not None:
+        try:
+            FrameKinematics(arm, experiment.metrics.tool)
+        except ParameterError as error:
+            raise ExperimentError("metrics.tool", str(error).removeprefix("frame: ")) from None
+
+
+def _rows(
+    experiment: Experiment, arm: Arm, runs: Mapping[str, Rollout], shown: Mapping[str, str]
+) -> tuple[pd.DataFrame, dict[str, ToolError]]:
+    """The summary, and the error of the tool by label if the experiment names one."""
+    rows, tool = summary_rows(experiment, arm, runs, shown), experiment.metrics.tool
+    errors = {} if tool is None else {label: tool_error(arm, run, tool) for label, run in runs.items()}
+    add_tool_columns(rows, {shown[label]: error for label, error in errors.items()})
+    return rows, errors
+
+
+def _part(tell: Progress, label: str, index: int, count: int) -> Callable[[int, int], None]:
+    tell(label, _SIMULATION * index / count)
+    return lambda done, total: tell(label, _SIMULATION * (index + done / total) / count)
+
+
+def _run(
+    experiment: Experiment, plant: Plant, label: str, law: Controller, progress: Callable[[int, int], None]
+) -> Rollout:
+    world = experiment.plant
+    try:
+        return rollout(
+            plant,
+            law,
+            experiment.build_reference(),
+            experiment.duration,
+            period=experiment.period,
+            q0=world.q0,
+            v0=world.v0,
+            progress=progress,
+        )
+    except AsmcPinError as error:
+        raise ExperimentError(f"controllers.{label}", str(error)) from error
+    except (Exception, SystemExit) as error:
+        name = experiment.controllers[label]["law"]
+        if ":" not in name:
+            raise
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        raise ExperimentError(
+            f"controllers.{label}",
+            f"the law '{name}' raised {type(error).__name__}: {error} ({where.filename}, line {where.lineno})",
+        ) from error
+
+
+def _write(
+    comparison: Comparison, plant: Plant, folder: Path, started: datetime, seconds: dict[str, float], tell: Progress
+) -> list[str]:
+    """Every file of the result, into an empty folder; what was run first, and then what is drawn of it.
+
+    Returns:
+        What could not be drawn, in words: a run that may have taken hours is not lost over a picture.
+    """
+    from asmc_pin.pages.comparison_page import report_html
+
+    experiment, arm, rows = comparison.experiment, comparison.arm, comparison.rows
+    tell("writing", _SIMULATION)
+    (folder / result_folder.EXPERIMENT).write_text(experiment.to_toml(), encoding="utf-8")
+    # What a user ought to be told stays with the figures, so that a report made later says it too.
+    told = {"notes": "\n".join(comparison.notes), "warnings": "\n".join(comparison.warnings)}
+    result_folder.write_trajectories(comparison.dataset.assign_attrs(told), folder / result_folder.TRAJECTORIES)
+    result_folder.write_summary(rows, folder / result_folder.SUMMARY)
+    (folder / "summary.md").write_text(summary_markdown(comparison), encoding="utf-8")
+    latex = "\n".join([latex_table(rows), theorems_latex(comparison.theorems.claims, comparison.about.title)])
+    (folder / "summary.tex").write_text(latex, encoding="utf-8")
+    comparison.theorems.write(folder)
+    figures = folder / "figures"
+    tell("figures", _SIMULATION + 0.03)
+    lost = _drawn("figures", lambda: draw_figures(comparison.dataset, figures, np.asarray(plant.effort_limit)))
+    lost += _drawn("the theorems' figure", lambda: comparison.theorems.draw(figures))
+    tell("report", _SIMULATION + 0.12)
+    _write_provenance(experiment, arm, folder, started, seconds)
+    # The result is our own, and as large as the run was.
+    own = functools.partial(result_folder.load_result, folder, largest=math.inf)
+    lost += _drawn("report.html", lambda: report_html(own(), folder / "report.html"))
+    _write_provenance(experiment, arm, folder, started, seconds)
+    return lost
+
+
+def _drawn(what: str, draw: Callable[[], object]) -> list[str]:
+    try:
+        draw()
+    except OSError:
+        raise  # a full disk has no room for the result either
+    except Exception as error:
+        said = printable(" ".join(str(error).split()))
+        return [f"{what} could not be drawn ({type(error).__name__}: {said}); the result itself is whole"]
+    return []
+
+
+def _write_provenance(
+    experiment: Experiment, arm: Arm, folder: Path, started: datetime, seconds: dict[str, float]
+) -> None:
+    """Written before the report too, which is made from the result as it can be read back."""
+    path = folder / result_folder.PROVENANCE
+    path.unlink(missing_ok=True)
+    text = json.dumps(provenance(experiment, arm, started, seconds, folder), indent=2, ensure_ascii=False)
+    path.write_text(text + "\n", encoding="utf-8")

@@ -1,0 +1,45 @@
+"""An arm without meshes: drums at the joints and rods between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from asmc_pin._typing import Array
+from asmc_pin.viewer.drawing.surface import Surface, join
+
+ROD = (148, 156, 168)
+DRUM = (72, 80, 94)
+
+
+def skeleton(frames: Sequence[tuple[int, Array, Array, bool]], tip: Array) -> dict[int, Surface]:
+    """A stick figure of every body.
+
+    Args:
+        frames: Parent, placement in it (4, 4), axis (3,), and whether it slides, of every body, the base first.
+        tip: The arm's tip in the last body's frame, m.
+
+    Returns:
+        Surfaces by body, in the bodies' frames.
+    """
+    lengths = [float(np.linalg.norm(placement[:3, 3])) for _, placement, _, _ in frames] + [float(np.linalg.norm(tip))]
+    radius = 0.035 * (sum(lengths) or 1.0) ** 0.5 * max([*lengths, 0.05]) ** 0.5
+    parts: dict[int, list[Surface]] = {body: [] for body in range(len(frames))}
+    ends = [(parent, placement[:3, 3]) for parent, placement, _, _ in frames[1:]] + [(len(frames) - 1, tip)]
+    for body, end in ends:
+        if np.linalg.norm(end) > 1e-9:
+            parts[body].append(_rod(np.zeros(3), end, 0.55 * radius))
+    for body, (_, _, axis, prismatic) in enumerate(frames):
+        reach = radius * (1.1 if prismatic else 1.5) * axis / np.linalg.norm(axis)
+        parts[body].append(_rod(-reach, reach, radius * (0.8 if prismatic else 1.0), DRUM))
+    return {body: join(surfaces) for body, surfaces in parts.items()}
+
+
+def _rod(start: Array, end: Array, radius: float, colour: tuple[int, int, int] = ROD) -> Surface:
+    from trimesh import creation
+
+    rod: Any = creation.cylinder(radius=radius, segment=np.stack([start, end]), sections=24)
+    faces = np.asarray(rod.faces, dtype=np.int64)
+    return Surface(np.asarray(rod.vertices), faces, np.tile(np.array(colour, dtype=np.uint8), (len(faces), 1)))
