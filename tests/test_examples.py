@@ -5,13 +5,13 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
+from paths import REPOSITORY
 
 import asmc_pin
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = REPOSITORY
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 
 by_name = pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)

@@ -8,7 +8,6 @@ import os
 import signal
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,12 +15,12 @@ from fuzz import generate_toml, generate_urdf
 from fuzz.hostile import INJECTED
 from fuzz.judge import faults
 from fuzz.run import MEMORY, Outcome, command
+from paths import TESTS
 
 from asmc_pin import load_arm
 from asmc_pin.errors import ArmError
 from asmc_pin.experiment import Experiment
 
-TESTS = Path(__file__).parent
 SOME = {"urdf": 200, "toml": 60, "certificate": 150, "result": 100}
 MANY = 1000
 

@@ -11,8 +11,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from paths import REPOSITORY
 
-ROOT = Path(__file__).resolve().parent.parent / "asmc_pin"
+ROOT = REPOSITORY / "asmc_pin"
 
 # Part -> parts that it may import. A part may only name parts above its own row, so that there is no way back.
 # What stands in OPEN is open to all. Of the controllers the plant knows what it exchanges with them, and s

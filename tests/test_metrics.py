@@ -1,15 +1,14 @@
 """Metrics against signals whose figures are known in closed form."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from paths import DOCS
 
 from asmc_pin.engine import Rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.metrics import METRICS, QUANTITIES, MetricSettings, evaluate
 
-DOCS = Path(__file__).resolve().parent.parent / "docs" / "metrics.md"
+PAGE = DOCS / "metrics.md"
 L = 0.001
 
 
@@ -162,7 +161,7 @@ def test_settings_refuse_what_has_no_meaning():
 
 @pytest.mark.parametrize("metric", METRICS.values(), ids=lambda metric: metric.name)
 def test_every_metric_is_defined_in_the_docs_with_unit_and_source(metric):
-    text = DOCS.read_text(encoding="utf-8")
+    text = PAGE.read_text(encoding="utf-8")
     assert metric.quantity in QUANTITIES
     row = next(line for line in text.splitlines() if line.startswith(f"| `{metric.name}` |"))
     assert metric.formula.replace("|", r"\|") in row

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import needs
 import pytest
+from paths import REPOSITORY, TESTS
 
-HERE = Path(__file__).parent
-ROOT = HERE.parent
+HERE = TESTS
+ROOT = REPOSITORY
 
 
 @pytest.fixture

@@ -3,11 +3,11 @@
 import importlib.util
 import re
 import tomllib
-from pathlib import Path
 
 import pytest
+from paths import REPOSITORY
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = REPOSITORY
 
 
 def _generator():

@@ -8,9 +8,10 @@ import venv
 from pathlib import Path
 
 import pytest
+from paths import REPOSITORY
 from short_experiment import SHORT
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = REPOSITORY
 
 
 @pytest.fixture(scope="module")

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import umsgpack
+from paths import DOCS
 from viewer_cases import HOSTILE, awkward_result, swing
 
 from asmc_pin.arms import load_arm
@@ -193,7 +194,7 @@ def test_a_page_that_cannot_be_written_is_told(result: Result, tmp_path: Path) -
 
 
 def test_the_example_of_the_docs_makes_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    text = (Path(__file__).parent.parent / "docs" / "viewer.md").read_text(encoding="utf-8")
+    text = (DOCS / "viewer.md").read_text(encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     exec(re.search(r"```python\n(.*?)```", text, re.DOTALL).group(1), {})
     page = (tmp_path / "panda.html").read_text(encoding="utf-8")

@@ -9,8 +9,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from paths import TESTS
 
-TESTS = Path(__file__).resolve().parent
 NAME = "super_twisting"
 OVER_ALL_LAWS = re.compile(r'parametrize\("name", CONTROLLERS\)')
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).resolve().parent.parent
+from paths import REPOSITORY
+
+ROOT = REPOSITORY
 START = "from asmc_pin.cli import main; main()"
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import inspect
 import re
 import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
+from paths import DOCS
 
 from asmc_pin.engine import rollout
 from asmc_pin.errors import ExperimentError
@@ -120,11 +120,11 @@ def test_the_schemes_of_the_file_are_those_that_are_registered():
     assert parts <= set(Plant.__dataclass_fields__)
 
 
-DOCS = (Path(__file__).parent.parent / "docs" / "plant.md").read_text(encoding="utf-8")
+PAGE = (DOCS / "plant.md").read_text(encoding="utf-8")
 
 
 def test_the_example_of_the_docs_builds_and_runs():
-    (example,) = re.findall(r"```toml\n(.*?)```", DOCS, re.DOTALL)
+    (example,) = re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)
     start = [0.0, -1.3, 1.6, -1.2, -1.4, 0.0]
     data = {
         "name": "docs",
@@ -146,7 +146,7 @@ def test_the_example_of_the_docs_builds_and_runs():
 @pytest.mark.parametrize("cls", [Drive, Sensor, EndStops, Spread, Disturbance, PayloadChange, Friction])
 def test_every_parameter_of_the_plants_parts_is_documented(cls):
     for name in inspect.signature(cls).parameters:
-        assert re.search(rf"[`\"]{name}[`\"]", DOCS), f"{cls.__name__}.{name} is not explained in docs/plant.md"
+        assert re.search(rf"[`\"]{name}[`\"]", PAGE), f"{cls.__name__}.{name} is not explained in docs/plant.md"
 
 
 def test_the_shipped_experiment_of_the_whole_plant_has_every_part_and_the_proposed_law_carries_it_through():

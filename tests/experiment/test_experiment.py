@@ -5,11 +5,11 @@ import json
 import re
 import textwrap
 import tomllib
-from pathlib import Path
 
 import jsonschema
 import numpy as np
 import pytest
+from paths import REPOSITORY
 
 from asmc_pin.condition import lemma1_norm
 from asmc_pin.controllers import CONTROLLERS, Baek2016
@@ -28,7 +28,7 @@ from asmc_pin.experiment.toml_text import parse_toml, write_toml
 from asmc_pin.parameters import parameters_of
 from asmc_pin.references import REFERENCES, check_reference
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = REPOSITORY
 DATA = {
     "name": "small",
     "arm": {"source": "two_link"},

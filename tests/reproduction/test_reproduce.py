@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
+from paths import DOCS
 
 from asmc_pin import load_experiment, rollout
 from asmc_pin.disk.resources import shipped
@@ -24,8 +24,6 @@ from asmc_pin.reproduction.reproduction_page import page
 from asmc_pin.reproduction.tuned_rows import SUFFIX, untuned
 from asmc_pin.results.result_folder import recorded_run, trajectories
 from asmc_pin.study.tuning import tune
-
-DOCS = Path(__file__).resolve().parent.parent / "docs"
 
 
 @pytest.fixture(scope="module")

@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 import pytest
 from arm_urdf import LIMIT, inertial, joint, link, robot, two_joints, write
+from paths import DOCS
 
 import asmc_pin.arms
 from asmc_pin.arms import ARMS, Arm, arm_names, arms_table, load_arm
@@ -232,7 +233,7 @@ def test_meshes_of_a_named_arm_can_be_found() -> None:
 
 
 def test_code_in_the_docs_runs() -> None:
-    page = (Path(__file__).parents[1] / "docs" / "arms.md").read_text(encoding="utf-8")
+    page = (DOCS / "arms.md").read_text(encoding="utf-8")
     names = {"asmc_pin": asmc_pin.arms, "load_arm": load_arm, "q": np.zeros((4, 6))}
     for block in re.findall(r"```python\n(.*?)```", page, re.DOTALL):
         exec(block, names)

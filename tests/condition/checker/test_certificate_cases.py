@@ -11,18 +11,19 @@ import json
 from pathlib import Path
 
 import pytest
+from paths import CASES
 
 from asmc_pin import load_arm
 from asmc_pin.cli import main
 from asmc_pin.condition.certificate import certify
 from asmc_pin.condition.checker import check
 
-CASES = Path(__file__).parent / "cases" / "certificates"
+INPUTS = CASES / "certificates"
 
 
 def checked(name: str, capsys: pytest.CaptureFixture[str], *options: str) -> tuple[int, str, str]:
     with pytest.raises(SystemExit) as stop:
-        main(["check", str(CASES / name), *options])
+        main(["check", str(INPUTS / name), *options])
     out, err = capsys.readouterr()
     assert isinstance(stop.value.code, int)
     return stop.value.code, out, err
@@ -72,5 +73,5 @@ def test_a_verdict_at_a_level_says_that_it_is_about_the_level(
     assert stop.value.code == 0
     assert "the verdict is about ‖I − M⁻¹M̄‖₂ < 0.995" in capsys.readouterr().out
     assert check(proof).to_json_dict()["level"] == 0.995
-    bare = CASES / "forge2.json"
+    bare = INPUTS / "forge2.json"
     assert check(bare).to_json_dict()["level"] == 1.0

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
+from paths import DOCS
 from plant_cases import OpenLoop, Still, slider
 
 from asmc_pin.arms import load_arm
@@ -118,6 +118,6 @@ def test_a_trial_has_the_same_bits_in_any_batch_with_every_scheme(integrator):
 
 
 def test_the_docs_name_every_scheme_with_its_order():
-    text = (Path(__file__).parent.parent / "docs" / "plant.md").read_text(encoding="utf-8")
+    text = (DOCS / "plant.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"^\| `(\w+)` \| (\d)", text, re.MULTILINE))
     assert {name: int(rows[name]) for name in INTEGRATORS} == ORDERS

@@ -8,12 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from paths import DOCS
 
 import asmc_pin
 from asmc_pin.controllers import CONTROLLERS, parameters_of
 from asmc_pin.references import REFERENCES
-
-DOCS = Path(__file__).resolve().parent.parent / "docs"
 
 
 def blocks(language: str) -> list[str]:
