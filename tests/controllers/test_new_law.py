@@ -62,6 +62,6 @@ def test_a_correct_new_law_passes_every_test_that_runs_over_the_registered_laws(
 )
 def test_a_wrong_new_law_does_not(tmp_path: Path, right: str, wrong: str, broken: str) -> None:
     assert right in LAW
-    done = judged(tmp_path, LAW.replace(right, wrong), [TESTS / "test_controllers.py"])
+    done = judged(tmp_path, LAW.replace(right, wrong), [TESTS / "controllers" / "test_controllers.py"])
     assert done.returncode == 1
     assert broken in done.stdout
