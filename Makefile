@@ -20,7 +20,7 @@ test-all: test  ## these, and then the long ones; some half an hour more
 	$(BIN)/python -m pytest -m long $(PYTEST_ARGS)
 
 fuzz: $(VENV)/.dev  ## FUZZ_COUNT hostile files of each kind through the command line; some hours
-	PYTHONPATH=tests $(BIN)/python -m fuzz --count $(FUZZ_COUNT) --seed $(FUZZ_SEED)
+	PYTHONPATH=tests:tests/support $(BIN)/python -m fuzz --count $(FUZZ_COUNT) --seed $(FUZZ_SEED)
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff format --check .

@@ -83,6 +83,7 @@ if TYPE_CHECKING:
     from asmc_pin.plant import Motion as Motion
     from asmc_pin.plant import PayloadChange as PayloadChange
     from asmc_pin.plant import Plant as Plant
+    from asmc_pin.plant import PlantParameters as PlantParameters
     from asmc_pin.plant import Sensor as Sensor
     from asmc_pin.plant import Spread as Spread
     from asmc_pin.references import REFERENCES as REFERENCES
@@ -152,6 +153,7 @@ _HOME = {
     "PayloadChange": "plant",
     "PerJoint": "controllers",
     "Plant": "plant",
+    "PlantParameters": "plant",
     "Premises": "condition.hypotheses",
     "ProofProgress": "condition.certificate",
     "REFERENCES": "references",
@@ -265,6 +267,7 @@ __all__ = [  # noqa: RUF022 - grouped as a reader looks for them
     "Reference",
     # The ground truth
     "Plant",
+    "PlantParameters",
     "Friction",
     "Drive",
     "Sensor",

@@ -28,7 +28,7 @@ MANY = 1000
 def campaign(kind, *options):
     """What a run of the fuzzer printed; it must have found nothing."""
     command = [sys.executable, "-m", "fuzz", "--kind", kind, *map(str, options)]
-    path = os.pathsep.join([str(TESTS), *filter(None, [os.environ.get("PYTHONPATH")])])
+    path = os.pathsep.join([str(TESTS), str(TESTS / "support"), *filter(None, [os.environ.get("PYTHONPATH")])])
     environment = {**os.environ, "PYTHONPATH": path}
     done = subprocess.run(command, cwd=TESTS, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -52,7 +52,7 @@ def said(status=0, out="", err="", trace="", signal=0, claims=()):
     return Outcome(status, signal, out.encode(), err.encode(), trace, 0.1, list(claims))
 
 
-TRACE = 'Traceback (most recent call last):\n  File "/x/asmc_pin/arms/load.py", line 9, in load_arm\nKeyError: 1\n'
+TRACE = 'Traceback (most recent call last):\n  File "/x/asmc_pin/arms/loading.py", line 9, in load_arm\nKeyError: 1\n'
 WRONG = {
     "an exception came out of main": said(1, trace=TRACE),
     "status 5": said(5),

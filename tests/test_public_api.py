@@ -86,10 +86,14 @@ def deferred(module: types.ModuleType) -> dict[str, object]:
 
 
 def hints(thing: object) -> dict[str, object]:
-    module = sys.modules[thing.__module__]
+    modules = [sys.modules[base.__module__] for base in reversed(getattr(thing, "__mro__", (thing,)))]
     # An alias of another module may hold a name that only stands there.
     known = vars(collections.abc) | vars(_typing) | {name: getattr(asmc_pin, name) for name in asmc_pin.__all__}
-    return typing.get_type_hints(thing, known | vars(module) | deferred(module))
+    for module in modules:
+        known |= vars(module)
+        if module.__name__.startswith("asmc_pin"):
+            known |= deferred(module)
+    return typing.get_type_hints(thing, known)
 
 
 def flat(annotation: object) -> Iterator[object]:
@@ -118,7 +122,8 @@ def signatures() -> Iterator[tuple[str, object]]:
             shown = hints(thing)
             fields = (field.name for field in dataclasses.fields(thing) if not field.name.startswith("_"))
             yield from ((f"{name}.{key}", shown[key]) for key in fields)
-        for key, member in vars(thing).items():
+        inherited = (vars(base) for base in reversed(thing.__mro__) if base.__module__ in ours)
+        for key, member in {key: member for each in inherited for key, member in each.items()}.items():
             function = member.fget if isinstance(member, property) else getattr(member, "__func__", member)
             written = inspect.isfunction(function) and function.__code__.co_filename != "<string>"
             if written and (key == "__init__" or not key.startswith("_")) and function.__module__ in ours:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -357,12 +355,6 @@ def test_a_law_cannot_reach_into_the_plant_through_what_it_is_given(tmp_path):
 
     with pytest.raises(ValueError, match="read-only"):
         rollout(Plant(slider(tmp_path, 1.0)), Meddling(lambda t: 0.0, 1e-3), Still(np.zeros(1)), 0.1)
-
-
-def test_the_package_s_rollout_is_the_function_whoever_imports_the_module_first():
-    code = "import asmc_pin; from asmc_pin.engine import Rollout; print(asmc_pin.engine)"
-    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-    assert shown.startswith("<function rollout")
 
 
 def test_an_exception_in_a_law_is_raised(tmp_path):

@@ -6,6 +6,7 @@ from asmc_pin.plant.drive.drive_parameters import Drive
 from asmc_pin.plant.friction.friction_parameters import Friction
 from asmc_pin.plant.integrators import INTEGRATORS, ORDERS
 from asmc_pin.plant.plant import Plant
+from asmc_pin.plant.plant_parameters import PlantParameters
 from asmc_pin.plant.plant_state import Motion
 from asmc_pin.plant.sensor.sensor_parameters import Sensor
 from asmc_pin.plant.world.end_stops import EndStops
@@ -22,6 +23,7 @@ __all__ = [
     "Motion",
     "PayloadChange",
     "Plant",
+    "PlantParameters",
     "Sensor",
     "Spread",
 ]

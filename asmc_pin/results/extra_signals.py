@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from asmc_pin.engine import Rollout
 from asmc_pin.plant import Plant
 from asmc_pin.plant.energy import stored_energy
-from asmc_pin.engine import Rollout
 
 # Name: meaning, and the variable whose unit it has.
 _MEASURED = {

@@ -15,8 +15,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from asmc_pin.errors import ResultError
 from asmc_pin.disk.reading import check_file, read_file
+from asmc_pin.errors import ResultError
 from asmc_pin.words.text import printable
 
 if TYPE_CHECKING:

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from asmc_pin.errors import AsmcPinError, ResultError
 from asmc_pin.disk.files import remove_leftovers, whole_folder
 from asmc_pin.disk.reading import shown, user_path
+from asmc_pin.errors import AsmcPinError, ResultError
 from asmc_pin.results.result_files import LARGEST
 
 if TYPE_CHECKING:
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from asmc_pin.arms import Arm
-    from asmc_pin.experiment import Experiment
     from asmc_pin.engine import Rollout
+    from asmc_pin.experiment import Experiment
 
 EXPERIMENT, TRAJECTORIES, SUMMARY, PROVENANCE = (
     "experiment.toml",
@@ -103,8 +103,8 @@ def load_result(path: str | Path, *, largest: float = LARGEST) -> Result:
         ResultError: the folder is missing, is not a whole result, or is damaged.
     """
     folder = find_result(path)
-    from asmc_pin.results import result_schema as schema
     from asmc_pin.experiment import load_experiment
+    from asmc_pin.results import result_schema as schema
     from asmc_pin.results.result_files import check_digest, read_arrays, read_json, read_rows
 
     files = {name: folder / name for name in (EXPERIMENT, TRAJECTORIES, SUMMARY, PROVENANCE, CLAIMS, MONITORS)}

@@ -125,7 +125,7 @@ def test_what_ends_a_run_from_outside_is_one_message_too(asmc_pin, monkeypatch, 
     def fail(*_args, **_kwargs):
         raise raised
 
-    monkeypatch.setattr("asmc_pin.condition.verifying", fail)
+    monkeypatch.setattr("asmc_pin.condition.verify", fail)
     given, out, err = asmc_pin("verify", "ur5", "--mbar", "0.1")
     assert (given, out) == (status, "")
     assert err.startswith(f"asmc-pin: {says}")
