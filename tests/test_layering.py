@@ -37,6 +37,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "plant": {
         "arms",
         "rigid_body",
+        "numerics",
         "parameters",
         "controllers.protocol",
         "controllers.tde.sliding_variable",

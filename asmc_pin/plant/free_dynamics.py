@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from asmc_pin._typing import Array, IntArray
 from asmc_pin.arms import Arm
-from asmc_pin.rigid_body.mass_matrix import crba
-from asmc_pin.rigid_body.tree import Tree
+from asmc_pin.rigid_body.recursion import Links, crba, links_of
 
 # With fewer trials a thread costs more to wake than it saves (UR5: 16 trials take 34 µs alone, 19 µs on two threads).
 TRIALS_PER_THREAD = 8
@@ -26,7 +24,8 @@ class _Group:
     """Trials with the same arm: Pinocchio's pool holds one model, and so does a pass of the mass kernel."""
 
     arm: Arm
-    tree: tuple[Any, ...]
+    links: Links
+    armature: Array
     rows: slice | IntArray
     pool: pin.ModelPool
     threads: int
@@ -57,7 +56,9 @@ class FreeDynamics:
             count = max(1, min(threads, len(rows) // TRIALS_PER_THREAD))
             arm = arms[rows[0] % len(arms)]
             where = slice(rows[0], rows[-1] + 1) if contiguous else np.array(rows)
-            self._groups.append(_Group(arm, _writable(arm.tree), where, pin.ModelPool(arm.model, count), count))
+            self._groups.append(
+                _Group(arm, links_of(arm.tree), np.array(arm.armature), where, pin.ModelPool(arm.model, count), count)
+            )
 
     def acceleration(self, q: Array, v: Array, torque: Array) -> Array:
         """Joint accelerations without friction, M⁻¹(τ − C v − g).
@@ -84,10 +85,10 @@ class FreeDynamics:
     def mass_matrix(self, q: Array) -> Array:
         """M(q) of every trial, armature included. Shape (batch, nv, nv), kg·m²."""
         if len(self._groups) == 1:
-            return _mass_matrices(*self._groups[0].tree, q)
+            return _mass_matrices(self._groups[0].links, self._groups[0].armature, q)
         out = np.empty((*q.shape, q.shape[1]))
         for group in self._groups:
-            out[group.rows] = _mass_matrices(*group.tree, q[group.rows])
+            out[group.rows] = _mass_matrices(group.links, group.armature, q[group.rows])
         return out
 
     def gravity(self, q: Array) -> Array:
@@ -96,9 +97,3 @@ class FreeDynamics:
         for group in self._groups:
             out[group.rows] = group.arm.gravity(q[group.rows])
         return out
-
-
-def _writable(tree: Tree) -> tuple[Any, ...]:
-    """Copies of what `crba` takes of the tree: numba looks up a read-only array's type at every call, 1 µs each."""
-    names = ("parent", "rotation", "translation", "axis", "prismatic", "mass", "com", "inertia", "armature")
-    return tuple(np.array(getattr(tree, name)) for name in names)

@@ -15,7 +15,7 @@ from asmc_pin.condition import lemma1_norm, weighted_norm
 from asmc_pin.condition.norm import compiled_norms
 from asmc_pin.condition.search.samples import evaluate
 from asmc_pin.errors import NotPositiveDefinite, ParameterError
-from asmc_pin.rigid_body.mass_gradient import chain_of
+from asmc_pin.rigid_body.recursion import links_of
 
 KINDS = (
     compiled_norms.LEMMA1,
@@ -190,7 +190,7 @@ def test_gradients_equal_differences(tmp_path: Path, kind: int, prismatic: bool)
     by_angle, by_armature = np.empty(5), np.empty(5)
     armature = np.full(5, 0.01)
     for q in rng.uniform(-1.5, 1.5, (6, 5)):
-        compiled_norms.figure_gradient(kind, chain_of(arm), armature, q, mbar, by_angle, by_armature)
+        compiled_norms.figure_gradient(kind, links_of(arm.tree), armature, q, mbar, by_angle, by_armature)
         h, step = 1e-5, np.eye(5)
         up, down = (evaluate(kind, arm, q + s * h * step, mbar) for s in (1, -1))
         np.testing.assert_allclose(by_angle, (up - down) / (2 * h), rtol=1e-5, atol=1e-5 * np.abs(by_angle).max())

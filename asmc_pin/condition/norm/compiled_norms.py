@@ -6,8 +6,10 @@ import numba
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.numerics.small_matrices import cholesky, eigenpairs, eigenvalues, gram, solve_lower, solve_upper
-from asmc_pin.rigid_body.mass_gradient import Chain, bilinear_gradient, composite, fill_mass, place
+from asmc_pin.numerics.cholesky import cholesky, gram, solve_lower, solve_upper
+from asmc_pin.numerics.eigen import eigen, eigenvalues
+from asmc_pin.rigid_body.mass_gradient import bilinear_gradient
+from asmc_pin.rigid_body.recursion import Links, fill_mass, scratch
 
 LEMMA1 = 0  # ‖I − A‖₂, with A = M⁻¹M̄
 WEIGHTED = 1  # max|1 − λ(A)|
@@ -48,7 +50,7 @@ def figure(kind: int, mass: Array, mbar: Array, factor: Array, x: Array, square:
         factor: Scratch, shape (n, n), as are `x` and `square`.
         x: Scratch.
         square: Scratch.
-        work: Scratch, shape (3, n).
+        work: Scratch, shape (2, n).
     """
     n = mass.shape[0]
     if not cholesky(mass, factor):
@@ -72,7 +74,7 @@ def figure(kind: int, mass: Array, mbar: Array, factor: Array, x: Array, square:
             for j in range(n):
                 square[i, j] = mass[i, j] / np.sqrt(mbar[i] * mbar[j])
     values = work[0]
-    eigenvalues(square, values, work[1], work[2])
+    eigenvalues(square, values, work[1])
     least = most = float(values[0])
     for i in range(1, n):
         least, most = min(least, float(values[i])), max(most, float(values[i]))
@@ -91,29 +93,26 @@ def figure(kind: int, mass: Array, mbar: Array, factor: Array, x: Array, square:
 def figures_of_masses(kind: int, mass: Array, mbar: Array, out: Array) -> None:
     """The figure of each matrix of a batch: mass (B, n, n), mbar (B, n), out (B,)."""
     n = mass.shape[1]
-    factor, x, square, work = np.empty((n, n)), np.empty((n, n)), np.empty((n, n)), np.empty((3, n))
+    factor, x, square, work = np.empty((n, n)), np.empty((n, n)), np.empty((n, n)), np.empty((2, n))
     for b in range(mass.shape[0]):
         out[b] = figure(kind, mass[b], mbar[b], factor, x, square, work)
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
-def figures(kind: int, chain: Chain, armature: Array, q: Array, mbar: Array, out: Array) -> None:
+def figures(kind: int, links: Links, armature: Array, q: Array, mbar: Array, out: Array) -> None:
     """The figure at each configuration of a batch: q (B, n), armature (B, n) or (1, n), out (B,)."""
     n = q.shape[1]
-    turn, origin, subspace = np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 6))
-    body, force, rotated = np.empty((n, 10)), np.empty(6), np.empty((3, 3))
+    placed = scratch(n)
     mass, factor, x, square, work = (
         np.empty((n, n)),
         np.zeros((n, n)),
         np.empty((n, n)),
         np.empty((n, n)),
-        np.empty((3, n)),
+        np.empty((2, n)),
     )
     step = 1 if armature.shape[0] > 1 else 0
     for b in range(q.shape[0]):
-        place(chain, q[b], turn, origin, subspace)
-        composite(chain, turn, origin, body, rotated)
-        fill_mass(chain, armature[step * b], subspace, body, force, mass)
+        fill_mass(links, armature[step * b], q[b], placed, mass)
         out[b] = figure(kind, mass, mbar, factor, x, square, work)
 
 
@@ -142,18 +141,19 @@ def extreme(kind: int, mass: Array, mbar: Array, left: Array, right: Array) -> t
             for j in range(n):
                 weight = 1.0 / mbar[i] + 1.0 / mbar[j] if kind == LEMMA1_SCALE else 1.0 / (root[i] * root[j])
                 square[i, j] = mass[i, j] * weight
-    eigenpairs(square, vectors)
+    values, off = np.empty(n), np.empty(n)
+    eigen(square, vectors, values, off)
     best = 0
     for i in range(1, n):
         if kind == LEMMA1_SCALE:
-            better = square[i, i] < square[best, best]
+            better = values[i] < values[best]
         elif kind == WEIGHTED:
-            better = abs(1.0 - square[i, i]) > abs(1.0 - square[best, best])
+            better = abs(1.0 - values[i]) > abs(1.0 - values[best])
         else:
-            better = square[i, i] > square[best, best]
+            better = values[i] > values[best]
         if better:
             best = i
-    value = square[best, best]
+    value = values[best]
     pair = np.empty((n, 2))
     if kind == LEMMA1:
         # σ = uᵀ (I − M⁻¹M̄) v, so dσ = (M⁻¹u)ᵀ dM (M⁻¹M̄v).
@@ -194,21 +194,18 @@ def extreme(kind: int, mass: Array, mbar: Array, left: Array, right: Array) -> t
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def figure_gradient(
-    kind: int, chain: Chain, armature: Array, q: Array, mbar: Array, by_angle: Array, by_armature: Array
+    kind: int, links: Links, armature: Array, q: Array, mbar: Array, by_angle: Array, by_armature: Array
 ) -> float:
     """A figure at one configuration, with its derivatives by the angles and by the armature, each of shape (n,).
 
     Where the extreme eigenvalue is multiple the figure has a kink, and one of its subgradients is given.
     """
     n = q.shape[0]
-    turn, origin, subspace = np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 6))
-    body, force, rotated = np.empty((n, 10)), np.empty(6), np.empty((3, 3))
+    placed = scratch(n)
     mass, left, right = np.empty((n, n)), np.empty(n), np.empty(n)
-    place(chain, q, turn, origin, subspace)
-    composite(chain, turn, origin, body, rotated)
-    fill_mass(chain, armature, subspace, body, force, mass)
+    fill_mass(links, armature, q, placed, mass)
     value, weight = extreme(kind, mass, mbar, left, right)
-    bilinear_gradient(chain, subspace, body, left, right, np.empty((2, n, 6)), np.empty((2, n, 6)), by_angle)
+    bilinear_gradient(links, placed, left, right, np.empty((2, n, 12)), by_angle)
     for i in range(n):
         by_angle[i] *= weight
         by_armature[i] = weight * left[i] * right[i]

@@ -11,20 +11,20 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.norm.compiled_norms import figure_gradient
-from asmc_pin.rigid_body.mass_gradient import Chain
+from asmc_pin.rigid_body.recursion import Links
 
 _ITERATIONS = 200
 _LONGEST_STEP = 0.5  # of one coordinate, rad: a basin is about that wide
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
-def _look(kind: int, chain: Chain, mbar: Array, z: Array, start: Array, width: Array, gradient: Array) -> float:
+def _look(kind: int, links: Links, mbar: Array, z: Array, start: Array, width: Array, gradient: Array) -> float:
     """The figure at z = (q, share of the armature's range), with its gradient by z."""
     n = mbar.size
     armature = np.empty(n)
     for i in range(n):
         armature[i] = start[i] + width[i] * z[n + i]
-    value = figure_gradient(kind, chain, armature, z[:n], mbar, gradient[:n], gradient[n:])
+    value = figure_gradient(kind, links, armature, z[:n], mbar, gradient[:n], gradient[n:])
     for i in range(n):
         gradient[n + i] *= width[i]
     return value
@@ -33,7 +33,7 @@ def _look(kind: int, chain: Chain, mbar: Array, z: Array, start: Array, width: A
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def climb(
     kind: int,
-    chain: Chain,
+    links: Links,
     mbar: Array,
     z: Array,
     lower: Array,
@@ -45,8 +45,8 @@ def climb(
     """Climb from each row of z to a local maximum, in place.
 
     Args:
-        kind: The figure; see `kernels`.
-        chain: The arm.
+        kind: The figure; see `compiled_norms`.
+        links: The arm.
         mbar: Diagonal of M̄, shape (n,).
         z: Starts, then maxima: angles and shares (0 to 1) of the armature's range, shape (count, 2n).
         lower: Lower bounds of z, shape (2n,); −∞ for a periodic joint. Equal bounds hold a coordinate.
@@ -66,7 +66,7 @@ def climb(
     held, was_held = np.zeros(size, dtype=np.bool_), np.zeros(size, dtype=np.bool_)
     for row in range(count):
         x = z[row]
-        value = _look(kind, chain, mbar, x, start, width, gradient)
+        value = _look(kind, links, mbar, x, start, width, gradient)
         evaluations += 1
         fresh = True
         was_held[:] = False
@@ -104,7 +104,7 @@ def climb(
                     moved = max(moved, abs(trial[i] - x[i]))
                 if moved == 0.0:
                     break
-                trial_value = _look(kind, chain, mbar, trial, start, width, trial_gradient)
+                trial_value = _look(kind, links, mbar, trial, start, width, trial_gradient)
                 evaluations += 1
                 expected = 0.0
                 for i in range(size):

@@ -13,7 +13,7 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.domain.joint_box import Box, BoxLike, resolve_box
 from asmc_pin.condition.norm import compiled_norms
 from asmc_pin.errors import NotPositiveDefinite
-from asmc_pin.rigid_body.mass_gradient import Chain, chain_of
+from asmc_pin.rigid_body.recursion import Links, links_of
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -41,9 +41,9 @@ class Domain:
     armature_upper: Array
 
     @property
-    def chain(self) -> Chain:
+    def links(self) -> Links:
         """The compiled form of the arm."""
-        return chain_of(self.arm)
+        return links_of(self.arm.tree)
 
 
 def domain_of(arm: Arm, box: BoxLike = None) -> Domain:
@@ -92,7 +92,7 @@ def evaluate(kind: int, arm: Arm, q: Array, mbar: Array, armature: Array | None 
     Raises:
         NotPositiveDefinite: M(q) is not positive definite at one of them.
     """
-    chain = chain_of(arm)
+    links = links_of(arm.tree)
     q = np.ascontiguousarray(q)
     # Copies, because a read-only array is another type to the compiler and would compile everything again.
     added = np.array(np.atleast_2d(arm.armature if armature is None else armature), order="C")
@@ -101,7 +101,7 @@ def evaluate(kind: int, arm: Arm, q: Array, mbar: Array, armature: Array | None 
 
     def run(start: int) -> None:
         part = slice(start, start + _CHUNK)
-        compiled_norms.figures(kind, chain, added if len(added) == 1 else added[part], q[part], mbar, out[part])
+        compiled_norms.figures(kind, links, added if len(added) == 1 else added[part], q[part], mbar, out[part])
 
     if threads == 1 or len(q) <= _CHUNK:
         for start in range(0, len(q), _CHUNK):

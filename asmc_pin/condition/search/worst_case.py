@@ -174,7 +174,7 @@ def _climb(kind: int, domain: Domain, mbar: Array, q: Array, armature: Array) ->
     values = np.empty(len(z))
     bounds = np.concatenate((lower, 0.0 * width)), np.concatenate((upper, 1.0 * (width > 0.0)))
     least = np.array(domain.armature_lower)
-    evaluations = compiled_climb.climb(kind, domain.chain, np.array(mbar), z, *bounds, least, width, values)
+    evaluations = compiled_climb.climb(kind, domain.links, np.array(mbar), z, *bounds, least, width, values)
     found = z[:, : mbar.size]
     return values, found, domain.armature_lower + width * z[:, mbar.size :], int(evaluations)
 

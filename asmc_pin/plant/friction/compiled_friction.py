@@ -26,6 +26,7 @@ import numpy as np
 from numba import njit
 
 from asmc_pin._typing import Array, BoolArray, IntArray
+from asmc_pin.numerics.cholesky import solve_face
 
 # A sticking joint is let go when its load exceeds the level by more than this part of the terms that the load is summed
 # from. Anything less is round-off; letting go then would only make the walk revisit a face.
@@ -33,28 +34,6 @@ RELEASE_TOLERANCE = 1e-13
 # Faces visited per joint before the walk is given up and the trial made NaN. It does not happen with a positive
 # definite M.
 FACES_PER_JOINT = 20
-
-
-@njit(cache=True, nogil=True, inline="always")
-def solve_face(matrix: Array, rhs: Array, face: IntArray, count: int, factor: Array, solution: Array) -> None:
-    """Solve matrix[F, F] x[F] = rhs[F] by Cholesky, F the first `count` entries of `face`; leave the rest of x."""
-    for i in range(count):
-        row = face[i]
-        for j in range(i + 1):
-            total = matrix[row, face[j]]
-            for k in range(j):
-                total -= factor[i, k] * factor[j, k]
-            factor[i, j] = np.sqrt(total) if i == j else total / factor[j, j]
-    for i in range(count):
-        total = rhs[face[i]]
-        for k in range(i):
-            total -= factor[i, k] * solution[face[k]]
-        solution[face[i]] = total / factor[i, i]
-    for i in range(count - 1, -1, -1):
-        total = solution[face[i]]
-        for k in range(i + 1, count):
-            total -= factor[k, i] * solution[face[k]]
-        solution[face[i]] = total / factor[i, i]
 
 
 @njit(cache=True, nogil=True, inline="always")

@@ -21,7 +21,8 @@ import numpy as np
 from numba import njit
 
 from asmc_pin._typing import Array, BoolArray, IntArray
-from asmc_pin.plant.friction.compiled_friction import FACES_PER_JOINT, solve_face
+from asmc_pin.numerics.cholesky import solve_face
+from asmc_pin.plant.friction.compiled_friction import FACES_PER_JOINT
 
 
 @njit(cache=True, nogil=True, inline="always")

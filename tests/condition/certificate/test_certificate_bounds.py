@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.certificate.compiled import cell_loss, dense_forms, first_joints, joint_steps
+from asmc_pin.condition.certificate.compiled import cell_loss, first_joints, joint_steps
+from asmc_pin.numerics.cholesky import surely_positive
+from asmc_pin.numerics.eigen import eigen
 
 SIZES = (6, 12)
 
@@ -155,7 +157,7 @@ def test_what_cholesky_calls_positive_is_so_in_exact_fractions() -> None:
         values[0] = rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-17.0, -10.0)
         S = (basis * values) @ basis.T
         S = np.tril(S) + np.tril(S, -1).T
-        if dense_forms.surely_positive(S, np.zeros(m), np.empty((m, m))):
+        if surely_positive(S, np.zeros(m), np.empty((m, m))):
             yes += 1
             assert exactly_positive(S)
     assert yes > 50
@@ -191,11 +193,11 @@ def test_eigenpairs_that_guide_the_loss_are_eigenpairs() -> None:
         for _ in range(50):
             A = random_form(rng, m)
             V, d = np.empty((m, m)), np.empty(m)
-            dense_forms.eigen(A, V, d, np.empty(m))
+            eigen(A, V, d, np.empty(m))
             assert np.abs(V.T @ V - np.eye(m)).max() < 1e-12
             assert (V * d) @ V.T == pytest.approx(A, abs=1e-11 * np.abs(A).max())
     # A form without any part keeps the eigenvectors' basis whole.
     V, d = np.empty((6, 6)), np.empty(6)
-    dense_forms.eigen(np.zeros((6, 6)), V, d, np.empty(6))
+    eigen(np.zeros((6, 6)), V, d, np.empty(6))
     assert np.all(d == 0.0)
     assert np.abs(V.T @ V - np.eye(6)).max() < 1e-14

@@ -20,7 +20,6 @@ from asmc_pin.arms import Arm, Payload
 from asmc_pin.condition import lemma1_norm
 from asmc_pin.condition.certificate import certify, strategy
 from asmc_pin.condition.certificate.compiled.bisection_tree import cell
-from asmc_pin.condition.certificate.compiled.dense_forms import surely_positive
 from asmc_pin.condition.certificate.search_and_proof import certified
 from asmc_pin.condition.certificate.statement_forms import DATA, MARGIN, Kind, Statement, _largest, problem_of
 from asmc_pin.condition.certificate.walk import Walk
@@ -30,6 +29,7 @@ from asmc_pin.condition.domain.arm_ranges import cases
 from asmc_pin.condition.domain.joint_box import resolve_box
 from asmc_pin.condition.search.samples import evaluate
 from asmc_pin.errors import ArmError, NotPositiveDefinite, ParameterError
+from asmc_pin.numerics.cholesky import surely_positive
 from asmc_pin.references import Quintic
 from asmc_pin.rigid_body.mass_matrix import mass_matrices
 from asmc_pin.rigid_body.tree import Tree

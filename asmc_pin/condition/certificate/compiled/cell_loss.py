@@ -15,8 +15,10 @@ import numpy as np
 from numba import njit
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.certificate.compiled.dense_forms import add_spectrum, eigen, surely_positive, to_metric
+from asmc_pin.condition.certificate.compiled.dense_forms import add_spectrum, to_metric
 from asmc_pin.condition.certificate.compiled.joint_steps import GUARD
+from asmc_pin.numerics.cholesky import surely_positive
+from asmc_pin.numerics.eigen import eigen
 
 WHOLE = 1.4
 """Half width, rad, above which a turning joint is bounded by its mean over a turn and not by the ends of its cell."""

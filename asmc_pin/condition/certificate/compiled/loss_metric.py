@@ -7,41 +7,11 @@ from numba import njit
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.certificate.compiled.working_state import Problem, Scratch
+from asmc_pin.numerics.cholesky import invert_lower, lifted_cholesky
 
 LIFT = 0.03
 """Least pivot of a metric over its diagonal. A point mass resists no turning about itself, yet a turn of the joint
 takes it elsewhere: in a metric that is singular at the cell's centre the loss between two angles has no bound."""
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _lower_factor(A: Array, L: Array) -> None:
-    """Cholesky factor of a matrix that is positive definite but for rounding; small pivots are lifted."""
-    n = A.shape[0]
-    for i in range(n):
-        for j in range(i):
-            s = A[i, j]
-            for q in range(j):
-                s -= L[i, q] * L[j, q]
-            L[i, j] = s / L[j, j]
-            L[j, i] = 0.0
-        s = A[i, i]
-        for q in range(i):
-            s -= L[i, q] * L[i, q]
-        L[i, i] = np.sqrt(max(s, LIFT * abs(A[i, i]) + 1e-12))
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _invert_lower(L: Array, out: Array) -> None:
-    n = L.shape[0]
-    for j in range(n):
-        for i in range(j):
-            out[i, j] = 0.0
-        out[j, j] = 1.0 / L[j, j]
-        for i in range(j + 1, n):
-            s = 0.0
-            for q in range(j, i):
-                s -= L[i, q] * out[q, j]
-            out[i, j] = s / L[i, i]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -62,8 +32,8 @@ def metric_of(problem: Problem, k: Scratch, i: int, Om: Array) -> None:
         for y in range(m):
             L[x, y] = 0.0
             Li[x, y] = 0.0
-    _lower_factor(k.composite[i], L6)
-    _invert_lower(L6, Li6)
+    lifted_cholesky(k.composite[i], LIFT, L6)
+    invert_lower(L6, Li6)
     nu = 1.0
     if p == 2:
         # Weigh the two twists as the joints before this one can move them.
@@ -105,8 +75,8 @@ def metric_of(problem: Problem, k: Scratch, i: int, Om: Array) -> None:
         for y in range(x + 1):
             H[x, y] *= f
         H[x, x] += problem.spread
-    _lower_factor(H, G)
-    _invert_lower(G, H)
+    lifted_cholesky(H, LIFT, G)
+    invert_lower(G, H)
     # basis = L G⁻ᵀ, inverse = Gᵀ L⁻¹.
     for x in range(m):
         for y in range(m):
