@@ -130,7 +130,11 @@ def disturb(rng: Rng, root: Element) -> None:
     if how <= 1 and at[1]:
         at[1][pick(rng, sorted(at[1]))] = number(rng)
     elif how == 2:
-        figures = [e for e in everything if e[0] in ("mass", "inertia", "origin", "axis", "limit", "dynamics", "mimic")]
+        figures = [
+            e
+            for e in everything
+            if e[0] in ("mass", "inertia", "origin", "axis", "limit", "dynamics", "mimic") and e[1]
+        ]
         for e in figures[int(rng.integers(len(figures))) :][:1] if figures else []:
             key = pick(rng, sorted(e[1]))
             e[1][key] = " ".join(scaled(word, float(pick(rng, FACTORS))) for word in e[1][key].split())
