@@ -81,6 +81,7 @@ if TYPE_CHECKING:
     from asmc_pin.plant import EndStops as EndStops
     from asmc_pin.plant import Friction as Friction
     from asmc_pin.plant import Motion as Motion
+    from asmc_pin.plant import MovingArm as MovingArm
     from asmc_pin.plant import PayloadChange as PayloadChange
     from asmc_pin.plant import Plant as Plant
     from asmc_pin.plant import PlantParameters as PlantParameters
@@ -100,6 +101,7 @@ if TYPE_CHECKING:
     from asmc_pin.sampled.gains import suggest_gains as suggest_gains
     from asmc_pin.study import Comparison as Comparison
     from asmc_pin.study import compare as compare
+    from asmc_pin.study.comparison_notes import Lemma1Part as Lemma1Part
     from asmc_pin.study.comparison_notes import Lemma1Range as Lemma1Range
     from asmc_pin.study.refinement import Refinement as Refinement
     from asmc_pin.study.run_monitors import Theorems as Theorems
@@ -135,6 +137,7 @@ _HOME = {
     "Friction": "plant",
     "GainDesign": "sampled.gains",
     "Hypotheses": "condition.hypotheses",
+    "Lemma1Part": "study.comparison_notes",
     "Lemma1Range": "study.comparison_notes",
     "LimitViolation": "engine",
     "LoopLimits": "sampled",
@@ -144,6 +147,7 @@ _HOME = {
     "MissingDependencyError": "errors",
     "ModelLaw": "baselines",
     "Motion": "plant",
+    "MovingArm": "plant",
     "NotComparableError": "errors",
     "NotPositiveDefinite": "errors",
     "OptionalPerJoint": "parameters",
@@ -276,6 +280,7 @@ __all__ = [  # noqa: RUF022 - grouped as a reader looks for them
     "EndStops",
     "Spread",
     "Motion",
+    "MovingArm",
     "Rollout",
     "LimitViolation",
     "rollout",
@@ -293,6 +298,7 @@ __all__ = [  # noqa: RUF022 - grouped as a reader looks for them
     "load_experiment",
     "Comparison",
     "compare",
+    "Lemma1Part",
     "Lemma1Range",
     "Theorems",
     "Refinement",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from asmc_pin.monitors.claim_texts import CAUSES, STATEMENTS, Claim, Statement
+from asmc_pin.monitors.claim_texts import CAUSES, STATEMENTS, STATUSES, Claim, Statement
 from asmc_pin.monitors.law_signals import gamma_at_ticks
 from asmc_pin.monitors.monitor_record import Monitors, monitor
 from asmc_pin.monitors.monitor_tables import claim_rows, monitor_dataset
@@ -10,6 +10,7 @@ from asmc_pin.monitors.monitor_tables import claim_rows, monitor_dataset
 __all__ = [
     "CAUSES",
     "STATEMENTS",
+    "STATUSES",
     "Claim",
     "Monitors",
     "Statement",

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Literal
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal, Self, get_args
 
 import numpy as np
 
@@ -12,7 +12,8 @@ from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.monitors.law_signals import DRIVE, NOISE, SATURATION
 from asmc_pin.monitors.lyapunov_monitor import SAMPLING
 
-Status = Literal["held", "broken", "not tested", "not applicable"]
+Status = Literal["held", "broken", "not tested", "not tested after", "not applicable"]
+STATUSES: tuple[Status, ...] = get_args(Status)
 
 CAUSES = (SAMPLING, SATURATION, NOISE, DRIVE)
 """What can break a claim: finite L; torque limits; what the sensors report; what else the drive does to the torque."""
@@ -27,6 +28,7 @@ class Statement:
         text: What it says.
         unit: Of the amount by which it is broken.
         latex: Its heading in a LaTeX table.
+        ticks: Which ticks it is checked at, as it follows a number of them.
         adaptive: Whether it speaks of the adaptive law (11) alone.
     """
 
@@ -34,23 +36,31 @@ class Statement:
     text: str
     unit: str
     latex: str
+    ticks: str
     adaptive: bool = False
 
 
 STATEMENTS: Mapping[str, Statement] = {
     "lemma1": Statement(
-        "Lemma 1 (condition)", "‖I − M(q)⁻¹M̄‖₂ < 1 along the motion", "1", r"$\|I - M^{-1}\bar{M}\|_2 < 1$"
+        "Lemma 1 (condition)", "‖I − M(q)⁻¹M̄‖₂ < 1 along the motion", "1", r"$\|I - M^{-1}\bar{M}\|_2 < 1$", "ticks"
     ),
     "contraction": Statement(
         "Lemma 1 (contraction)",
         "‖N‖₂ does not grow from tick to tick (as L → 0 nothing comes in)",
         "rad/s²",
         r"$\|N\|_2$ falls",
+        "ticks after the first",
     ),
-    "lemma2": Statement("Lemma 2", "k̂ᵢ < k̂ᵢ*, with the bound that (12) and (16) give", "rad/s²", "Lemma 2", True),
-    "eq16": Statement("(16)", "V̇ ≤ −β‖s‖² while ‖s‖_∞ ≥ ε", "rad²/s³", "(16)", True),
-    "t_eps": Statement("finite t_ε", "s enters ‖s‖_∞ < ε, by V/(βε²) after the start", "s", r"$t_\varepsilon$", True),
-    "eq21": Statement("Theorem 1 (21)", "‖s‖₂ < √(nε² + k̃_M) from t_ε on", "rad/s", "(21)", True),
+    "lemma2": Statement(
+        "Lemma 2", "k̂ᵢ < k̂ᵢ*, with the bound that (12) and (16) give", "rad/s²", "Lemma 2", "ticks", True
+    ),
+    "eq16": Statement(
+        "(16)", "V̇ ≤ −β‖s‖² while ‖s‖_∞ ≥ ε", "rad²/s³", "(16)", "periods with ‖s‖_∞ ≥ ε at both ends", True
+    ),
+    "t_eps": Statement(
+        "finite t_ε", "s enters ‖s‖_∞ < ε, by V/(βε²) after the start", "s", r"$t_\varepsilon$", "run", True
+    ),
+    "eq21": Statement("Theorem 1 (21)", "‖s‖₂ < √(nε² + k̃_M) from t_ε on", "rad/s", "(21)", "ticks from t_ε on", True),
 }
 """The claims by their keys, in the order of the tables."""
 
@@ -62,14 +72,16 @@ class Claim:
     Attributes:
         key: Key of `STATEMENTS`.
         trial: Index of the trial.
-        status: ``"not tested"`` where the run gives no occasion to break it.
+        status: ``"not tested"`` where the run gives no occasion to break it; ``"not tested after"`` where it was not
+            broken up to the time `until` at which the trial diverged.
         checked: Ticks at which it was checked.
         broken: Ticks at which it was broken.
         first_time: When it was first broken, s; NaN if it was not.
         worst_time: When it was broken by most, s.
         amount: By how much there, in the statement's unit.
-        causes: Number of broken ticks by cause.
+        causes: Number of broken ticks by cause; where they do not add up to `broken`, the claim itself is at fault.
         reason: Why, in plain words; what was seen where it held.
+        until: When the trial diverged, s: nothing is known after that. NaN where it ran to its end.
     """
 
     key: str
@@ -82,20 +94,56 @@ class Claim:
     amount: float = np.nan
     causes: Mapping[str, int] = field(default_factory=dict)
     reason: str = ""
+    until: float = np.nan
 
     @property
     def statement(self) -> Statement:
         """What it says in general."""
         return STATEMENTS[self.key]
 
+    def cut_short(self, until: float) -> Self:
+        """The same claim on a trial that diverged at a time, s: what had held so far is not called held."""
+        if self.status == "not applicable":
+            return self
+        return replace(self, status="not tested after" if self.status == "held" else self.status, until=until)
+
     @property
     def short(self) -> str:
         """For a cell of a table."""
-        if self.status != "broken":
-            return self.status
-        unit = "" if self.statement.unit == "1" else f" {self.statement.unit}"
-        share = f", in {percent(self.broken / self.checked)} of the ticks" if self.checked > 1 else ""
-        return f"broken at {self.first_time:.4g} s, by up to {self.amount:.3g}{unit}{share}"
+        share = tick_share(self.key, self.broken, self.checked)
+        causes = list(self.causes) if sum(self.causes.values()) == self.broken else []
+        return verdict_text(self.key, self.status, self.first_time, self.amount, share, causes, self.until)
+
+
+def verdict_text(
+    key: str, status: str, first_time: float, amount: float, share: str, causes: Sequence[str], until: float
+) -> str:
+    """A verdict for a cell of a table.
+
+    Args:
+        key: Key of `STATEMENTS`.
+        status: One of `STATUSES`.
+        first_time: When it was first broken, s.
+        amount: By how much at worst.
+        share: See `tick_share`; empty where it says nothing.
+        causes: Its causes, names of `CAUSES`, where these are all; else empty.
+        until: When the run ended by diverging, s; NaN if it did not.
+    """
+    if status == "not tested after":
+        return f"not tested after {until:.4g} s, where it diverged; not broken before"
+    if status != "broken":
+        return status
+    of = STATEMENTS[key].unit
+    by = f" by {' and '.join(causes)}" if causes else ""
+    text = f"broken{by} at {first_time:.4g} s, up to {amount:.3g}{'' if of == '1' else f' {of}'} over{share}"
+    return text if np.isnan(until) else f"{text}; not tested after {until:.4g} s, where it diverged"
+
+
+def tick_share(key: str, broken: int, checked: int) -> str:
+    """In how many of which ticks a claim is broken, to follow the rest; empty where it is checked but once."""
+    if checked <= 1:
+        return ""
+    return f", in {broken} of {checked} {STATEMENTS[key].ticks} ({percent(broken / checked)})"
 
 
 def percent(share: float) -> str:
@@ -128,7 +176,7 @@ def judge(
         time: Shape (T,), s.
         excess: Shape (T,), round-off taken off already.
         checked: Where it is claimed, shape (T,), bool.
-        causes: Index in `CAUSES` of each tick, shape (T,); None where the cause is no part of these.
+        causes: Index in `CAUSES` of each tick, shape (T,), −1 for none of them; None where none ever is.
         held: What to say if it held.
         untested: What to say if there is nothing to check.
         broken: What to say first if it is broken.

@@ -12,6 +12,7 @@ from asmc_pin.monitors.claim_texts import CAUSES, Claim, judge, percent, weigh
 from asmc_pin.monitors.law_signals import DRIVE, NOISE, SATURATION
 from asmc_pin.monitors.lyapunov_monitor import SAMPLING, Lyapunov
 from asmc_pin.monitors.tde_monitor import FRICTION, SWITCHING, Contraction
+from asmc_pin.words.remedy_texts import MBAR_REMEDY
 
 # Growth of N below this part of its largest value is round-off.
 _ROUND_OFF = 1e-9
@@ -25,7 +26,7 @@ def lemma1(trial: int, time: Array, found: Contraction) -> Claim:
     if not alive.any():
         return Claim("lemma1", trial, "not tested", reason=_SHORT)
     seen = f"between {np.nanmin(norm):.4f} and {np.nanmax(norm):.4f}, at the ticks"
-    text = "neither sampling nor the drive: M̄ does not suit M(q) there; 'asmc-pin design' finds one that does"
+    text = f"neither sampling nor the drive: M̄ does not suit M(q) there; {MBAR_REMEDY}"
     # At exactly 1 the condition is broken too.
     excess = np.where(norm >= 1.0, np.maximum(norm - 1.0, np.finfo(float).tiny), -1.0)
     return judge("lemma1", trial, time, excess, alive, None, seen, _SHORT, f"{seen}; {text}")
@@ -41,6 +42,9 @@ def contraction(trial: int, time: Array, found: Contraction) -> Claim:
     over = checked & (excess > 0.0)
     # A cause is what, had it not changed in the period, would have left no growth; the rest is sampling.
     causes = _first_without([SATURATION, NOISE, DRIVE], found, slack, CAUSES, CAUSES.index(SAMPLING))
+    # Where what was there grows by itself, the hypothesis is broken, and none of these is to blame.
+    itself = np.nan_to_num(found.carried) >= 1.0
+    causes = np.where(itself, -1, causes)
     sampled = over & (causes == CAUSES.index(SAMPLING))
     names = [SWITCHING, FRICTION, "load and reference"]
     kinds = _first_without(names[:2], found, slack, names, 2)
@@ -50,7 +54,9 @@ def contraction(trial: int, time: Array, found: Contraction) -> Claim:
     seen = ""
     if shrinks.any():
         seen = f"the old error alone shrinks to {np.median(found.carried[shrinks]):.3g} of itself in a period (median)"
-    text = "; ".join(part for part in (f"what changed in a period: {listed}" if listed else "", seen) if part)
+    grown = int(np.sum(over & itself))
+    alone = f"the old error grows by itself in {grown} ticks, as Lemma 1's condition is broken there" if grown else ""
+    text = "; ".join(part for part in (alone, f"what changed in a period: {listed}" if listed else "", seen) if part)
     return judge("contraction", trial, time, excess, checked, causes, seen, _SHORT, text)
 
 

@@ -109,7 +109,10 @@ def monitor(
             out["error"] = signals.error
             out["star"] = np.fmax.reduce(np.abs(signals.error), axis=1)
         for trial in range(batch):
-            claims += _trial(trial, rollout, truth, law, mbar, out)
+            found = _trial(trial, rollout, truth, law, mbar, out)
+            if rollout.status[trial] != "ok":
+                found = [claim.cut_short(float(rollout.end_time[trial])) for claim in found]
+            claims += found
     return Monitors(time=rollout.time, joint_names=rollout.joint_names, gain=rollout.gain, claims=tuple(claims), **out)
 
 

@@ -40,7 +40,8 @@ def claim_rows(monitors: Mapping[str, Monitors]) -> pd.DataFrame:
 
     Returns:
         Columns controller, trial, claim (key of `STATEMENTS`), title, statement, status, checked and broken (ticks),
-        first_time, worst_time (s), amount with its unit, one column of broken ticks for each cause, reason.
+        first_time, worst_time (s), amount with its unit, one column of broken ticks for each cause, until (s; when the
+        trial diverged, else NaN), reason.
     """
     rows = [
         {
@@ -57,6 +58,7 @@ def claim_rows(monitors: Mapping[str, Monitors]) -> pd.DataFrame:
             "amount": claim.amount,
             "unit": claim.statement.unit,
             **{cause: claim.causes.get(cause, 0) for cause in CAUSES},
+            "until": claim.until,
             "reason": claim.reason,
         }
         for label, item in monitors.items()

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import pandas as pd
 
-from asmc_pin.monitors import STATEMENTS
+from asmc_pin.monitors import STATEMENTS, STATUSES
 from asmc_pin.pages.html_fragments import definition_list, details
 from asmc_pin.pages.theorem_tables import INTRODUCTION, TITLE, reasons, theorem_table
 from asmc_pin.words.media import for_html
@@ -37,6 +37,11 @@ def theorem_section(claims: pd.DataFrame, colours: Mapping[str, str]) -> Iterato
 
 
 def _cell(text: str) -> str:
-    verdict = text.partition(" ")[0] if text.startswith(("broken", "held")) else text
-    kind = {"held": "held", "broken": "over"}.get(verdict, "soft")
+    """Red only where no cause is known: what finite sampling or the plant does to every law is no fault of this one."""
+    verdict = next((status for status in STATUSES if text == status or text.startswith(f"{status} ")), "")
+    if verdict == "broken":
+        cause = text.partition(" at ")[0]
+        kind, verdict = ("over" if cause == "broken" else "noted"), cause
+    else:
+        kind = "held" if text == "held" else "soft"
     return f'<td class="{kind}"><b>{for_html(verdict)}</b>{for_html(text.removeprefix(verdict))}</td>'

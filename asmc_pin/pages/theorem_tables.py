@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import pandas as pd
 
 from asmc_pin.monitors import CAUSES, STATEMENTS
+from asmc_pin.monitors.claim_texts import tick_share, verdict_text
 from asmc_pin.pages.summary_tables import Table, markdown_table, number
 from asmc_pin.words.media import for_latex, for_markdown
 
@@ -32,20 +35,26 @@ def theorem_table(claims: pd.DataFrame) -> Table:
 
 
 def _cell(rows: pd.DataFrame) -> str:
-    """One claim on all trials of a controller: the verdict, and the worst of what is broken."""
-    broken = rows[rows.status == "broken"]
+    """One claim on all trials of a controller: the verdict, and the worst of what is broken; empty without rows."""
+    if rows.empty:
+        return ""
+    key, broken = str(rows.claim.iloc[0]), rows[rows.status == "broken"]
     if broken.empty:
-        states = list(dict.fromkeys(rows.status))
-        return " or ".join(states)
-    worst = broken.iloc[int(broken.amount.argmax())]
-    unit = "" if worst.unit == "1" else f" {worst.unit}"
-    text = f"broken at {number(broken.first_time.min())} s, by up to {number(worst.amount)}{unit}"
-    if worst.checked > 1:
-        share = broken.broken.sum() / rows.checked.sum()
-        text += f", {number(100.0 * share, 2)} % of the ticks"
-    causes = [cause for cause in CAUSES if broken[cause].sum() > 0]
-    text += f" ({', '.join(causes)})" if causes else ""
-    return text if len(rows) == 1 else f"{text}; {len(broken)} of {len(rows)} trials"
+        ends = {status: rows.until[rows.status == status].min() for status in rows.status.unique()}
+        return " or ".join(verdict_text(key, status, math.nan, math.nan, "", [], end) for status, end in ends.items())
+    share = tick_share(key, int(broken.broken.sum()), int(rows.checked.sum()))
+    until = math.nan if len(rows) > 1 else broken.until.iloc[0]
+    text = verdict_text(key, "broken", broken.first_time.min(), broken.amount.max(), share, _causes(broken), until)
+    if len(rows) == 1:
+        return text
+    diverged = int(rows.until.notna().sum())
+    return f"{text}; {len(broken)} of {len(rows)} trials broken" + (f"; {diverged} diverged" if diverged else "")
+
+
+def _causes(broken: pd.DataFrame) -> list[str]:
+    """The causes where they account for every broken tick; else none is named."""
+    ticks = {cause: int(broken[cause].sum()) for cause in CAUSES}
+    return [cause for cause, count in ticks.items() if count] if sum(ticks.values()) == broken.broken.sum() else []
 
 
 def reasons(claims: pd.DataFrame) -> list[tuple[str, list[str]]]:
@@ -56,12 +65,13 @@ def reasons(claims: pd.DataFrame) -> list[tuple[str, list[str]]]:
     found = []
     for label, rows in claims.groupby("controller", sort=False):
         lines: dict[str, list[str]] = {}
-        order = {"broken": 0, "not tested": 1, "held": 2, "not applicable": 3}
+        order = {"broken": 0, "not tested": 1, "not tested after": 2, "held": 3, "not applicable": 4}
         for key, each in rows.groupby("claim", sort=False):
             first = each.iloc[each.status.map(order).argmin()]
             if first.reason:
                 where = f" in trial {first.trial}" if len(each) > 1 else ""
-                lines.setdefault(f"{first.status}{where}: {first.reason}", []).append(STATEMENTS[str(key)].title)
+                status = f"{first.status} {first.until:.4g} s" if first.status == "not tested after" else first.status
+                lines.setdefault(f"{status}{where}: {first.reason}", []).append(STATEMENTS[str(key)].title)
         found.append((str(label), [f"{', '.join(titles)} {text}" for text, titles in lines.items()]))
     return found
 
@@ -69,7 +79,7 @@ def reasons(claims: pd.DataFrame) -> list[tuple[str, list[str]]]:
 def theorems_latex(claims: pd.DataFrame, about: str) -> str:
     """A ``table`` environment: a row for each controller, a column for each claim; it needs ``booktabs``.
 
-    A broken claim has the share of the ticks in which it is, where it is judged tick by tick.
+    A broken claim has the share of the ticks checked in which it is, where it is judged tick by tick.
 
     Args:
         claims: See `asmc_pin.monitors.claim_rows`.
@@ -95,9 +105,12 @@ def theorems_latex(claims: pd.DataFrame, about: str) -> str:
 def _latex_cell(rows: pd.DataFrame) -> str:
     broken = rows[rows.status == "broken"]
     if broken.empty:
-        return " or ".join("--" if status == "not applicable" else str(status) for status in rows.status.unique())
+        end = rows.until.min()
+        said = {"not applicable": "--", "not tested after": rf"not tested after {end:.4g}\,s"}
+        return " or ".join(said.get(status, str(status)) for status in rows.status.unique())
+    by = f" by {' and '.join(_causes(broken))}" if _causes(broken) else ""
     share = 100.0 * broken.broken.sum() / max(rows.checked.sum(), 1)
-    return "broken" if rows.checked.max() <= 1 else rf"broken ({number(share, 2)}\,\%)"
+    return f"broken{by}" if rows.checked.max() <= 1 else rf"broken{by} ({number(share, 2)}\,\%)"
 
 
 def theorem_lines(claims: pd.DataFrame) -> list[str]:
@@ -106,14 +119,11 @@ def theorem_lines(claims: pd.DataFrame) -> list[str]:
     for label, rows in claims.groupby("controller", sort=False):
         if (rows.status == "not applicable").any():
             continue
-        parts = []
-        for status in ("held", "not tested"):
-            of_status = [key for key, each in rows.groupby("claim", sort=False) if set(each.status) == {status}]
-            if of_status:
-                parts.append(f"{', '.join(STATEMENTS[str(key)].title for key in of_status)} {status}")
+        alike: dict[str, list[str]] = {}
         for key, each in rows.groupby("claim", sort=False):
-            if (each.status == "broken").any():
-                parts.append(f"{STATEMENTS[str(key)].title} {_cell(each)}")
+            alike.setdefault(_cell(each), []).append(STATEMENTS[str(key)].title)
+        ordered = sorted(alike.items(), key=lambda item: item[0].startswith("broken"))
+        parts = [f"{', '.join(titles)} {said}" for said, titles in ordered]
         lines.append(f"theorems on {label}: {'; '.join(parts)}")
     return lines
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from asmc_pin.plant.drive.drive_parameters import Drive
 from asmc_pin.plant.friction.friction_parameters import Friction
 from asmc_pin.plant.integrators import INTEGRATORS, ORDERS
+from asmc_pin.plant.moving_arms import MovingArm, moving_arms
 from asmc_pin.plant.plant import Plant
 from asmc_pin.plant.plant_parameters import PlantParameters
 from asmc_pin.plant.plant_state import Motion
@@ -21,9 +22,11 @@ __all__ = [
     "EndStops",
     "Friction",
     "Motion",
+    "MovingArm",
     "PayloadChange",
     "Plant",
     "PlantParameters",
     "Sensor",
     "Spread",
+    "moving_arms",
 ]

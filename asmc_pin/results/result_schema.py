@@ -12,7 +12,7 @@ import xarray as xr
 
 from asmc_pin.errors import ResultError
 from asmc_pin.metrics import METRICS
-from asmc_pin.monitors import CAUSES, STATEMENTS
+from asmc_pin.monitors import CAUSES, STATEMENTS, STATUSES
 from asmc_pin.results.result_files import Columns, check_columns
 from asmc_pin.words.text import printable
 
@@ -34,7 +34,6 @@ _FURTHEST = 1e9
 
 MOST_TRIALS = 10_000
 _KINDS = ("revolute", "prismatic")
-_VERDICTS = ("held", "broken", "not tested", "not applicable")
 
 _SUMMARY: Columns = {
     **dict.fromkeys(("experiment", "arm", "controller", "law", "joint", "joint_kind", "status"), "text"),
@@ -50,7 +49,7 @@ _TOOL: Columns = {
 _CLAIMS: Columns = {
     **dict.fromkeys(("controller", "claim", "title", "statement", "status", "unit", "reason"), "text"),
     **dict.fromkeys(("trial", "checked", "broken", *CAUSES), "count"),
-    **dict.fromkeys(("first_time", "worst_time", "amount"), "number"),
+    **dict.fromkeys(("first_time", "worst_time", "amount", "until"), "number"),
 }
 
 
@@ -163,7 +162,7 @@ def check_claims(path: Path, rows: pd.DataFrame, dataset: xr.Dataset) -> None:
     known = {
         "controller": dataset.controller.to_numpy().tolist(),
         "claim": list(STATEMENTS),
-        "status": list(_VERDICTS),
+        "status": list(STATUSES),
         "trial": range(dataset.sizes["trial"]),
     }
     for name, values in known.items():

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,27 +11,45 @@ from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.domain.joint_box import BoxLike
-from asmc_pin.sampled.loop_limits import largest_gain_scale
+from asmc_pin.sampled.remedies import quick_workspaces, remedy
 from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.sampled.stability_report import loop_for
-from asmc_pin.sampled.workspace_worst import Workspace, workspace_of
+from asmc_pin.sampled.workspace_worst import Workspace
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
 
-_SAMPLES = 128
-_FINEST = 0.01  # of a joint's range
+
+@dataclass(frozen=True, eq=False)
+class _Searched:
+    """One of the arms that a loop has to hold, and where it is searched.
+
+    Attributes:
+        words: When it moves and with which links; empty where there is no other.
+        arm: The arm.
+        free: By inertia alone.
+        heavy: About rest under gravity; None where there is none.
+    """
+
+    words: str
+    arm: Arm
+    free: Workspace
+    heavy: Workspace | None
+
+    @property
+    def place(self) -> str:
+        """For a sentence that goes on with a configuration."""
+        return f"{self.words}, " if self.words else ""
 
 
 def gain_warnings(
-    arm: Arm,
+    arm: Arm | Mapping[str, Arm],
     controllers: Mapping[str, Any],
     period: float | None = None,
     *,
     delay: float = 0.0,
     viscous: ArrayLike | None = None,
     box: BoxLike = None,
-    seed: int = 0,
 ) -> list[str]:
     """What a user should know about gains before a run; a quick search, so silence is not a proof.
 
@@ -38,14 +57,14 @@ def gain_warnings(
     Inside a boundary layer β acts as β + K/Φ, which is examined too. Switching terms are not linear and are left out.
 
     Args:
-        arm: The arm.
+        arm: The arm; or every arm that a run has, by words that say when it moves and with which links, of which each
+            loop is judged by the worst.
         controllers: Label -> law. One without `mbar, ks, beta` is not of this kind and is passed over.
         period: Control period, s; by default each law's own.
         delay: The plant's transport delay, periods.
         viscous: Viscous friction that may be counted on, N·m·s/rad, a scalar, (nv,) or (batch, nv), of which the
             least counts; none by default, to be careful.
         box: Joint box; the arm's own by default.
-        seed: Of the samples.
 
     Returns:
         One sentence per finding, laws with the same loop together; empty if nothing was found.
@@ -53,6 +72,8 @@ def gain_warnings(
     Raises:
         ParameterError: a law is for another number of joints.
     """
+    arms = dict(arm) if isinstance(arm, Mapping) else {"": arm}
+    first = next(iter(arms.values()))
     by_loop: dict[tuple[Any, ...], tuple[SampledLoop, list[str]]] = {}
     layers: list[tuple[str, SampledLoop]] = []
     for label, law in controllers.items():
@@ -64,59 +85,57 @@ def gain_warnings(
             "filter_hz": getattr(law, "filter_hz", None),
             "delay": delay,
         }
-        loop = loop_for(arm, law.mbar, law.ks, law.beta, own, **timing)
+        loop = loop_for(first, law.mbar, law.ks, law.beta, own, **timing)
         key = (loop.mbar.tobytes(), loop.ks.tobytes(), loop.beta.tobytes(), loop.period, *timing.values())
         by_loop.setdefault(key, (loop, []))[1].append(label)
         slope = getattr(law, "boundary_slope", None)
         if slope is not None:
-            layers.append((label, loop_for(arm, law.mbar, law.ks, loop.beta + slope, own, **timing)))
+            layers.append((label, loop_for(first, law.mbar, law.ks, loop.beta + slope, own, **timing)))
     if not by_loop:
         return []
-    friction = None if viscous is None else _counted_on(viscous, arm.nv)
-    free = workspace_of(arm, box, samples=_SAMPLES, seed=seed, viscous=friction).thinned(_SAMPLES, _FINEST)
-    heavy = (
-        workspace_of(arm, box, samples=_SAMPLES, seed=seed, gravity=True, viscous=friction).thinned(_SAMPLES, _FINEST)
-        if np.any(arm.gravity_vector)
-        else None
-    )
-    found = [_about_loop(", ".join(labels), loop, free, heavy) for loop, labels in by_loop.values()]
-    found += [_about_layer(label, loop, free) for label, loop in layers]
+    friction = None if viscous is None else _counted_on(viscous, first.nv)
+    searched = [_Searched(words, each, *quick_workspaces(each, box, viscous=friction)) for words, each in arms.items()]
+    found = [_about_loop(", ".join(labels), loop, searched, friction, box) for loop, labels in by_loop.values()]
+    found += [_about_layer(label, loop, searched) for label, loop in layers]
     return [warning for warning in found if warning]
 
 
-def _about_loop(labels: str, loop: SampledLoop, free: Workspace, heavy: Workspace | None) -> str:
-    radius, q, _ = free.worst(loop)
+def _about_loop(
+    labels: str, loop: SampledLoop, searched: Sequence[_Searched], viscous: Array | None, box: BoxLike
+) -> str:
+    arms = [item.arm for item in searched]
+    radius, q, where = _worst(loop, [(item, item.free) for item in searched])
     if radius >= 1.0:
-        scale = largest_gain_scale(free, loop, q) if loop.modal and free.viscous is None else None
-        advice = (
-            "lower β and K_s"
-            if scale is None
-            else f"it is stable up to {scale:.2g} times these β and K_s"
-            if scale > 0.0
-            else "no β and K_s are stable with this M̄: scale it down"
-        )
         return (
-            f"{labels}: the sampled loop is unstable at q = {_angles(q)} rad (spectral radius {radius:.4f} at "
-            f"L = {loop.period:g} s); {advice}"
+            f"{labels}: the sampled loop is unstable {where.place}at q = {_angles(q)} rad (spectral radius "
+            f"{radius:.4f} at L = {loop.period:g} s); {remedy(arms, loop, viscous=viscous, box=box)}"
         )
-    if heavy is not None:
-        radius, q, _ = heavy.worst(loop)
+    resting = [(item, item.heavy) for item in searched if item.heavy is not None]
+    if resting:
+        radius, q, where = _worst(loop, resting)
         if radius >= 1.0:
             return (
-                f"{labels}: at rest near q = {_angles(q)} rad gravity drives the sampled loop away from its set-point "
-                f"(spectral radius {radius:.4f}); raise β, K_s or M̄"
+                f"{labels}: {where.place}at rest near q = {_angles(q)} rad gravity drives the sampled loop away from "
+                f"its set-point (spectral radius {radius:.4f}); {remedy(arms, loop, viscous=viscous, box=box)}"
             )
     return ""
 
 
-def _about_layer(label: str, loop: SampledLoop, free: Workspace) -> str:
-    radius, q, _ = free.worst(loop)
+def _about_layer(label: str, loop: SampledLoop, searched: Sequence[_Searched]) -> str:
+    radius, q, where = _worst(loop, [(item, item.free) for item in searched])
     if radius < 1.0:
         return ""
     return (
         f"{label}: inside its boundary layer, where β acts as β + K/Φ = {_angles(loop.beta)}, the sampled loop is "
-        f"unstable (spectral radius {radius:.4f} at q = {_angles(q)} rad), so expect chatter; widen Φ or lower K"
+        f"unstable (spectral radius {radius:.4f} {where.place}at q = {_angles(q)} rad), so expect chatter; widen Φ or "
+        "lower K"
     )
+
+
+def _worst(loop: SampledLoop, places: Sequence[tuple[_Searched, Workspace]]) -> tuple[float, Array, _Searched]:
+    """Largest radius over several arms, its configuration, and which of them it is."""
+    found = [(*workspace.worst(loop)[:2], item) for item, workspace in places]
+    return max(found, key=lambda one: one[0])
 
 
 def _counted_on(viscous: ArrayLike, nv: int) -> Array | None:

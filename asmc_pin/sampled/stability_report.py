@@ -16,6 +16,7 @@ from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.condition.premises import ends_of, premises_of
 from asmc_pin.errors import ParameterError
 from asmc_pin.sampled.loop_limits import LoopLimits, limits_of
+from asmc_pin.sampled.remedies import remedy
 from asmc_pin.sampled.sampled_loop import Acceleration, SampledLoop, positive_per_joint
 from asmc_pin.sampled.workspace_worst import Workspace, workspace_of
 from asmc_pin.words.shown import Cells, Shown
@@ -40,6 +41,7 @@ class StabilityReport(Shown):
         rest_q: Where, shape (nv,), rad.
         ratios: Smallest and largest eigenvalue of M⁻¹M̄ found.
         limits: Largest gains and period, and margins; None if not asked for.
+        remedy: What to do where it is unstable, the same as before a run; empty where it is stable.
         configurations: How many were tried.
         seconds: Wall time.
     """
@@ -55,6 +57,7 @@ class StabilityReport(Shown):
     limits: LoopLimits | None
     configurations: int
     seconds: float
+    remedy: str = ""
 
     @property
     def arm(self) -> str:
@@ -105,6 +108,7 @@ class StabilityReport(Shown):
             "mbar_ratio_max": self.ratios[1],
             "configurations": self.configurations,
             "seconds": self.seconds,
+            "remedy": self.remedy or None,
         }
         if limits is not None:
             result |= {
@@ -134,9 +138,9 @@ class StabilityReport(Shown):
             f"at rest under gravity: {self.rest_radius:.6f}, worst at q = {_angles(self.rest_q)} rad",
         ]
         if self.rest_radius >= 1.0 > self.spectral_radius:
-            text.append(
-                "unstable through gravity: the arm falls faster than the torque estimate follows; raise β, K_s or M̄"
-            )
+            text.append("unstable through gravity: the arm falls faster than the torque estimate follows")
+        if self.remedy:
+            text.append(self.remedy)
         if self.limits is not None:
             text += _limit_lines(self.loop, self.limits)
         return text
@@ -195,6 +199,7 @@ def stability(
     radius, q, tried = workspace.worst(loop)
     rest_radius, rest_q, more = at_rest(workspace, loop, samples=samples, seed=seed)
     (low, _), (high, _) = workspace.ratio_range(loop.mbar)
+    stable = radius < 1.0 and rest_radius < 1.0
     return StabilityReport(
         about=premises_of([arm], [ends_of(workspace.box)], (arm.armature, arm.armature)),
         gravity=arm.gravity_vector,
@@ -206,6 +211,7 @@ def stability(
         ratios=(low, high),
         limits=limits_of(workspace, loop, q) if limits else None,
         configurations=tried + more,
+        remedy="" if stable else remedy([arm], loop, viscous=friction, box=box),
         seconds=clock.seconds(),
     )
 
@@ -243,7 +249,7 @@ def _viscous(value: ArrayLike, nv: int) -> Array:
 
 def _limit_lines(loop: SampledLoop, limits: LoopLimits) -> list[str]:
     if limits.gain_scale == 0.0:
-        return ["no β and K_s are stable with this M̄, the torque estimate diverges by itself: scale M̄ down"]
+        return []
     low, high = limits.gain_margin
     beta = _spread(loop.beta, limits.beta_scale)
     margins = (

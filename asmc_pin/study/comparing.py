@@ -25,7 +25,7 @@ from asmc_pin.experiment import Experiment
 from asmc_pin.pages.comparison_figures import draw_figures
 from asmc_pin.pages.latex_table import latex_table
 from asmc_pin.pages.theorem_tables import theorems_latex
-from asmc_pin.plant import Plant
+from asmc_pin.plant import Plant, moving_arms
 from asmc_pin.results import result_folder
 from asmc_pin.results.extra_signals import add_signals
 from asmc_pin.results.provenance import provenance
@@ -82,8 +82,9 @@ def compare(
     plant, laws = experiment.build_plant(), experiment.build_controllers()
     arm = plant.arm
     _check_tool(experiment, arm)
-    lemma1 = lemma1_along(arm, *experiment.setpoints(), laws)
-    warnings = before_the_run(experiment, plant, laws, lemma1)
+    moving = moving_arms(plant, experiment.period, experiment.duration)
+    lemma1 = lemma1_along(moving, *experiment.setpoints(), laws)
+    warnings = before_the_run(experiment, plant, moving, laws, lemma1)
     for line in warnings:
         say(line)
 

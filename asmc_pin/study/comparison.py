@@ -20,8 +20,9 @@ from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS, evaluate
 from asmc_pin.pages.summary_tables import Table, overview
 from asmc_pin.pages.theorem_tables import theorem_lines
+from asmc_pin.plant import moving_arms
 from asmc_pin.references import SolvedPath
-from asmc_pin.study.comparison_notes import Lemma1Range, lemma1_lines
+from asmc_pin.study.comparison_notes import Lemma1Range, lemma1_lines, phase_lines
 from asmc_pin.study.refinement import Refinement
 from asmc_pin.study.run_monitors import Theorems
 from asmc_pin.study.tool_rows import tool_figures
@@ -40,7 +41,7 @@ class Comparison(Shown):
         rows: One row for each controller, trial and joint; metrics in SI units, NaN where not defined.
         dataset: Trajectories; dimensions controller, trial, time, joint; units as attributes.
         warnings: What a user ought to be told, in plain words.
-        lemma1: Range of ‖I − M⁻¹M̄‖₂ along the reference, for each label whose law has an M̄.
+        lemma1: ‖I − M⁻¹M̄‖₂ along the reference, in every phase, for each label whose law has an M̄.
         theorems: The paper's claims, held against the runs.
         refinement: How far the metrics move with half the step, if that was asked for.
         tool: Error of the tool frame by label, if the experiment names one.
@@ -63,7 +64,9 @@ class Comparison(Shown):
         reference = self.experiment.build_reference()
         solved = [str(reference)] if isinstance(reference, SolvedPath) else []
         refined = [] if self.refinement is None else self.refinement.notes()
-        return lemma1_lines(self.lemma1) + theorem_lines(self.theorems.claims) + solved + refined
+        moving = moving_arms(self.experiment.build_plant(), self.experiment.period, self.experiment.duration)
+        told = phase_lines(moving) + lemma1_lines(self.lemma1)
+        return told + theorem_lines(self.theorems.claims) + solved + refined
 
     @property
     def about(self) -> Premises:
@@ -118,7 +121,9 @@ class Comparison(Shown):
             if label in self.lemma1:
                 item = self.lemma1[label]
                 figures["lemma1_along_reference"] = [item.lower, item.upper]
+                figures["lemma1_verdict"] = item.verdict
                 figures["lemma1_hypotheses"] = item.hypotheses.to_json_dict()
+                figures["lemma1_parts"] = [part.to_json_dict() for part in item.parts]
             figures["theorems"] = self.theorems.of_first_trial(str(rows.controller.iloc[0]))
             if label in self.tool:
                 figures["tool"] = tool_figures(self.tool[label])

@@ -48,7 +48,7 @@ class Theorems:
                 "status": row["status"],
                 "checked": int(row["checked"]),
                 "broken": int(row["broken"]),
-                **{name: _number(row[name]) for name in ("first_time", "worst_time", "amount")},
+                **{name: _number(row[name]) for name in ("first_time", "worst_time", "amount", "until")},
                 "unit": row["unit"],
                 "causes": {cause: int(row[cause]) for cause in CAUSES if row[cause]},
                 "reason": row["reason"],

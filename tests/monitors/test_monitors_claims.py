@@ -13,8 +13,8 @@ from plant_cases import Still, Waving, slider
 from asmc_pin.arms import Arm, load_arm
 from asmc_pin.controllers import Baek2016
 from asmc_pin.engine import Rollout, rollout
-from asmc_pin.monitors import CAUSES, STATEMENTS, Monitors, claim_rows, monitor, monitor_dataset
-from asmc_pin.monitors.claim_texts import judge
+from asmc_pin.monitors import CAUSES, STATEMENTS, STATUSES, Monitors, claim_rows, monitor, monitor_dataset
+from asmc_pin.monitors.claim_texts import judge, percent
 from asmc_pin.monitors.lyapunov_monitor import lyapunov_of
 from asmc_pin.plant import Disturbance, Drive, Friction, Plant, Sensor
 
@@ -209,6 +209,32 @@ def test_nothing_above_zero_where_claimed_is_held(excess: list[float]) -> None:
     assert (claim.status, claim.broken, claim.reason) == ("held", 0, "fine")
 
 
+def test_after_a_divergence_nothing_is_held_and_what_was_broken_before_stays_broken(arm: Arm) -> None:
+    seen, found = run(arm, law_of(mbar=[9.0, 5.0]), friction=Friction(0.0, 0.0))
+    assert seen.status == ("diverged",)
+    end = seen.end_time[0]
+    assert {claim.status for claim in found.claims} == {"broken", "not tested after"}
+    for claim in found.claims:
+        assert claim.until == end
+        assert claim.short.endswith(f"not tested after {end:.4g} s, where it diverged") or (
+            claim.short == f"not tested after {end:.4g} s, where it diverged; not broken before"
+        )
+    whole = run(arm, law_of())[1]
+    assert all(np.isnan(claim.until) for claim in whole.claims)
+
+
+def test_error_that_grows_by_itself_is_not_put_down_to_sampling(arm: Arm) -> None:
+    # M̄ too large: E_k N_{k−1} is larger than N_{k−1}, which no period however short would mend.
+    _, found = run(arm, law_of(mbar=[0.3, 0.2]), friction=Friction(0.0, 0.0))
+    claim = found.claim("contraction")
+    grown = int((np.isfinite(found.growth[0]) & (found.carried[0] >= 1.0)).sum())
+    assert grown > 2
+    assert (claim.status, claim.broken) == ("broken", grown)
+    assert claim.causes == {}
+    assert claim.short.startswith("broken at ")
+    assert f"the old error grows by itself in {grown} ticks" in claim.reason
+
+
 # Tables and files
 
 
@@ -218,7 +244,8 @@ def test_rows_and_arrays_carry_every_claim_with_units(arm: Arm) -> None:
     rows = claim_rows({"A": found, "B": found})
     assert list(rows.claim) == [*STATEMENTS] * 2
     assert rows[list(CAUSES)].to_numpy().sum(axis=1)[rows.claim == "eq16"][0] == found.claim("eq16").broken
-    assert set(rows.status) <= {"held", "broken", "not tested", "not applicable"}
+    assert set(rows.status) <= set(STATUSES)
+    assert rows.until.isna().all()
     assert (rows.reason != "").sum() >= 10
     assert json.loads(rows.to_json(orient="records"))[0]["controller"] == "A"
     dataset = monitor_dataset({"A": found, "B": found})
@@ -230,5 +257,8 @@ def test_rows_and_arrays_carry_every_claim_with_units(arm: Arm) -> None:
 def test_a_cell_says_when_by_how_much_and_how_often(arm: Arm) -> None:
     _, found, _ = overloaded(arm)
     claim = found.claim("eq21")
-    assert claim.short.startswith(f"broken at {claim.first_time:.4g} s, by up to {claim.amount:.3g} rad/s, in ")
+    assert claim.short == (
+        f"broken by saturation at {claim.first_time:.4g} s, up to {claim.amount:.3g} rad/s over, in {claim.broken} of "
+        f"{claim.checked} ticks from t_ε on ({percent(claim.broken / claim.checked)})"
+    )
     assert found.claim("t_eps").short == "held"

@@ -11,7 +11,7 @@ import pytest
 
 from asmc_pin.engine import rollout
 from asmc_pin.experiment import Experiment
-from asmc_pin.monitors import STATEMENTS, claim_rows, monitor
+from asmc_pin.monitors import CAUSES, STATEMENTS, claim_rows, monitor
 from asmc_pin.pages.theorem_figures import draw_theorems, theorem_figure
 from asmc_pin.pages.theorem_tables import reasons, theorem_lines, theorem_table, theorems_latex, theorems_markdown
 from asmc_pin.results.result_folder import load_result
@@ -79,6 +79,7 @@ def test_json_has_each_claim_of_each_controller(comparison: Comparison) -> None:
         "amount": None,
         "unit": "1",
         "causes": {},
+        "until": None,
         "reason": proposed["lemma1"]["reason"],
     }
     assert {item["status"] for item in controllers["CT"]["theorems"].values()} == {"not applicable"}
@@ -112,11 +113,23 @@ def test_tables_pages_and_notes_give_every_verdict_with_its_reason(comparison: C
 def test_trials_are_summed_up_by_the_worst_of_them(comparison: Comparison) -> None:
     one = comparison.theorems.claims.query("controller == 'Proposed' and claim == 'eq21'").iloc[0].to_dict()
     held = {**one, "status": "held", "broken": 0, "checked": 100}
-    broken = {**held, "trial": 1, "status": "broken", "broken": 50, "first_time": 0.25, "amount": 0.5, "drive": 50}
+    none = dict.fromkeys(CAUSES, 0)
+    broken = (
+        held | none | {"trial": 1, "status": "broken", "broken": 50, "first_time": 0.25, "amount": 0.5, "drive": 50}
+    )
     worse = {**broken, "trial": 2, "first_time": 0.5, "amount": 2.0, "saturation": 50, "drive": 0, "reason": "late"}
     rows = pd.DataFrame([held, broken, worse])
-    cell = theorem_table(rows).rows[list(STATEMENTS).index("eq21")][1]
-    assert cell == ("broken at 0.250 s, by up to 2.00 rad/s, 33 % of the ticks (saturation, drive); 2 of 3 trials")
+    cell = theorem_cell(rows)
+    told = "broken by saturation and drive at 0.25 s, up to 2 rad/s over, in 100 of 300 ticks from t_ε on (33 %)"
+    assert cell == f"{told}; 2 of 3 trials broken"
+    rows.loc[2, "until"] = 0.6
+    assert theorem_cell(rows) == f"{told}; 2 of 3 trials broken; 1 diverged"
+    rows = pd.DataFrame([held, {**held, "trial": 1, "status": "not tested after", "until": 0.5}])
+    assert theorem_cell(rows) == "held or not tested after 0.5 s, where it diverged; not broken before"
+
+
+def theorem_cell(rows: pd.DataFrame) -> str:
+    return theorem_table(rows).rows[list(STATEMENTS).index("eq21")][1]
 
 
 def test_the_figure_shows_all_seven_and_only_where_there_is_something(comparison: Comparison, tmp_path: Any) -> None:

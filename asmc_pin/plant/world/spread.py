@@ -17,6 +17,9 @@ from asmc_pin.parameters import Scalar
 from asmc_pin.plant.friction.friction_parameters import Friction
 from asmc_pin.plant.sensor.trial_noise import SPREAD, generator
 
+END = 2.0
+"""Standard deviations to what counts as an end of the scatter; a normal number lies further out in 5 % of the draws."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Spread:
@@ -36,9 +39,32 @@ class Spread:
     inertia: Scalar = Scalar("stretch of each link along each axis, relative", "", at_least=0.0, default=0.0)
     friction: Scalar = Scalar("scatter of each joint's friction, relative", "", at_least=0.0, default=0.0)
 
+    @property
+    def moves_links(self) -> bool:
+        """Whether any link differs from the URDF's."""
+        return bool(self.mass or self.com or self.inertia)
+
+    def ends(self, arm: Arm) -> tuple[Arm, Arm]:
+        """The lightest and the heaviest arm that are looked at: all links `END` standard deviations off together.
+
+        The light one has lighter links, shrunk along all axes, their centres drawn towards the frames' origins, at most
+        into them; the heavy one the opposite. Links that are drawn one by one may lie beyond these two in part.
+        """
+        model = (arm.replace(payload=None) if arm.payload is not None else arm).model
+        centre = np.array([model.inertias[i + 1].lever for i in range(arm.nv)])
+        far = np.linalg.norm(centre, axis=1, keepdims=True)
+        outward = np.divide(centre, far, out=np.zeros_like(centre), where=far > 0.0)
+        made = []
+        for sign in (-1.0, 1.0):
+            size = np.exp(sign * END * self.inertia)
+            shift = np.maximum(sign * END * self.com, -size * far) * outward
+            mass = np.full(arm.nv, np.exp(sign * END * self.mass))
+            made.append(vary_links(arm, mass, shift, np.full((arm.nv, 3), size)))
+        return made[0], made[1]
+
     def arms(self, arms: Sequence[Arm], seed: int, trials: Sequence[int]) -> tuple[Arm, ...]:
         """One arm per trial, made from one arm or one per trial."""
-        if not (self.mass or self.com or self.inertia):
+        if not self.moves_links:
             return tuple(arms)
         made = []
         for k, trial in enumerate(trials):
@@ -48,6 +74,11 @@ class Spread:
                 vary_links(arm, np.exp(self.mass * z[:, 0]), self.com * z[:, 1:4], np.exp(self.inertia * z[:, 4:]))
             )
         return tuple(made)
+
+    @property
+    def least_friction(self) -> float:
+        """Factor on a joint's friction at the low end of the scatter."""
+        return float(np.exp(-END * self.friction))
 
     def of_friction(self, friction: Friction, nv: int, seed: int, trials: Sequence[int]) -> Friction:
         """Friction with one row per trial."""
