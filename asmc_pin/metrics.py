@@ -39,6 +39,10 @@ QUANTITIES: Mapping[str, tuple[str, str]] = MappingProxyType(
 )
 
 
+MOVED = "moved_"
+"""How the columns of a summary begin that say how half the step moves a metric, relative to the finer figure."""
+
+
 @dataclass(frozen=True, slots=True)
 class MetricSettings:
     """What the metrics need besides the rollout.

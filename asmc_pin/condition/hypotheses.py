@@ -21,6 +21,10 @@ NAMES: dict[Condition, str] = {"lemma1": "Lemma 1", "weighted": "The weighted co
 Where: TypeAlias = Literal["box", "motion", "tube", "boxes"]
 
 
+WHOLE_TURN = 2.0 * math.pi * (1.0 - 1e-12)
+"""From this range on, rad, the ends of a joint's range are the same configuration, up to rounding."""
+
+
 def formula(condition: Condition, level: float = 1.0) -> str:
     """A condition as an inequality, at a level γ of its norm."""
     norm = {"lemma1": "‖I − M⁻¹M̄‖₂", "weighted": "max|1 − λ(M⁻¹M̄)|"}[condition]
@@ -156,7 +160,14 @@ class Premises:
             ("Payload", "none" if self.payload is None else self.payload.words()),
             ("Locked joints", self._locks("; ") or "none"),
             (over, self._box()),
+            *([("Whole turns", self._whole_turns())] if self.where == "box" and self.turning else []),
         ]
+
+    @property
+    def turning(self) -> tuple[str, ...]:
+        """Joints whose range is a whole turn: continuous, of no declared limits, or of a turn and more."""
+        joints = zip(self.box.items(), self.slides, strict=True)
+        return tuple(name for (name, (lo, hi)), slides in joints if not slides and hi - lo >= WHOLE_TURN)
 
     def lines(self) -> list[str]:
         """The same as lines of text."""
@@ -181,6 +192,10 @@ class Premises:
         if len(set(said)) == 1 and len(said) > 1:
             return f"{said[0]} at every joint"
         return ", ".join(f"{quoted(name)} {ends}" for name, ends in zip(self.box, said, strict=True))
+
+    def _whole_turns(self) -> str:
+        names = "every joint" if len(self.turning) == len(self.joints) > 1 else ", ".join(map(quoted, self.turning))
+        return f"{names}: a range of a turn or more is taken as one turn, which loses nothing: M(q) repeats after 2π"
 
     def _locks(self, separator: str = ", ") -> str:
         said = separator.join(f"{quoted(name)} at {_choices(angles)}" for name, angles in self.locked.items())

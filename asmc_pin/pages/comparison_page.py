@@ -21,10 +21,21 @@ from asmc_pin.condition.premises import premises_along
 from asmc_pin.disk.files import write_whole
 from asmc_pin.disk.reading import read_file, shown
 from asmc_pin.errors import ResultError
-from asmc_pin.metrics import METRICS
+from asmc_pin.metrics import METRICS, MOVED
 from asmc_pin.pages.comparison_figures import FIGURES
 from asmc_pin.pages.html_fragments import definition_list, definitions, details, table_html
-from asmc_pin.pages.summary_tables import Table, metric_table, number, overview, per_joint, tool_table
+from asmc_pin.pages.summary_tables import (
+    NOTHING,
+    UNCONVERGED,
+    Table,
+    figures_of_all,
+    metric_table,
+    moves,
+    number,
+    overview,
+    per_joint,
+    tool_table,
+)
 from asmc_pin.pages.theorem_figures import CAPTION as THEOREMS_CAPTION
 from asmc_pin.pages.theorem_figures import NAME as THEOREMS
 from asmc_pin.pages.theorem_section import theorem_section
@@ -105,10 +116,12 @@ def _head(result: Result) -> Iterator[str]:
 def _cards(result: Result) -> Iterator[str]:
     """One card for each controller: did it hold, and its RMS error at the worst joint."""
     dataset, colours = result.dataset, controller_colors(_label_list(result))
-    labels, units, errors = per_joint(result.summary[result.summary.trial == 0], "rms_error")
+    first = result.summary[result.summary.trial == 0]
+    labels, units, errors = per_joint(first, "rms_error")
     unit = "deg" if "deg" in units else units[0]
     alike = np.array(units) == unit
-    worst = dict(zip(labels, errors[:, alike].max(axis=1), strict=True))
+    told = figures_of_all(errors[:, alike], moves(first, "rms_error", errors)[:, alike], np.max)
+    worst = dict(zip(labels, told, strict=True))
     for k, label in enumerate(_label_list(result)):
         states = [str(state) for state in dataset.status.to_numpy()[k]]
         ends = dataset.end_time.to_numpy()[k]
@@ -119,7 +132,8 @@ def _cards(result: Result) -> Iterator[str]:
             state = f"{states[0]} at {ends[0]:.3g} s"
         else:
             state = f"{len(over)} of {len(states)} trials {states[over[0]]}"
-        figure = number(worst[label]) + (f" {unit}" if np.isfinite(worst[label]) else "")
+        value, _, unsure = worst[label].partition(" (")
+        figure = value if value == NOTHING else f"{value} {unit}{' (' + unsure if unsure else ''}"
         yield (
             f'<li style="--colour:{colours[label]}"><b>{for_html(label)}</b>'
             f'<span class="law">{for_html(str(dataset.law.to_numpy()[k]))}</span>'
@@ -139,9 +153,11 @@ def _tables(result: Result) -> Iterator[str]:
     yield '<h2 id="summary">Comparison</h2>'
     yield f"<p>{for_html(table.title)} of each joint; the worst error of all, and the chatter of the torque.</p>"
     yield html(table)
+    refined = f" {UNCONVERGED}" if any(str(name).startswith(MOVED) for name in summary) else ""
     yield (
         '<p class="soft">Worst error: the largest of all joints over the run. Chatter: torque '
-        "variation per second, summed over the joints. Marked: the best figure of a column. Dash: not defined.</p>"
+        "variation per second, summed over the joints. Marked: the best figure of a column. Dash: not defined."
+        f"{for_html(refined)}</p>"
     )
     tool = tool_table(summary)
     if tool is not None:

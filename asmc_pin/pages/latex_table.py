@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from asmc_pin.metrics import METRICS
+from asmc_pin.metrics import METRICS, MOVED
 from asmc_pin.pages.summary_tables import metric_table
 from asmc_pin.words.media import for_latex
 
@@ -26,11 +26,12 @@ def latex_table(summary: pd.DataFrame, metrics: Sequence[str] | None = None) -> 
     listed = ", ".join(f"{i + 1}: {for_latex(joint)}" for i, joint in enumerate(joints))
     count = len(joints)
     environment = "table" if count <= 3 else "table*"  # across both columns of a page
+    refined = r" $\pm$: what half the integration step changes." if f"{MOVED}rms_error" in summary else ""
     lines = [
         r"% Needs \usepackage{booktabs}.",
         rf"\begin{{{environment}}}[t]",
         r"  \centering",
-        rf"  \caption{{Comparison ``{for_latex(name)}'' on {for_latex(arm)}; joints {listed}.}}",
+        rf"  \caption{{Comparison ``{for_latex(name)}'' on {for_latex(arm)}; joints {listed}.{refined}}}",
         rf"  \label{{tab:{re.sub(r'[^A-Za-z0-9-]', '-', name)}}}",
         rf"  \begin{{tabular}}{{l{'r' * count}}}",
         r"    \toprule",

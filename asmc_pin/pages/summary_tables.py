@@ -4,17 +4,26 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from asmc_pin._typing import Array
-from asmc_pin.metrics import METRICS, Best, Metric
+from asmc_pin.metrics import METRICS, MOVED, Best, Metric
 from asmc_pin.words.media import for_cell, for_markdown
 
 NOTHING = "–"
+
+NOTABLE = 0.02
+"""A figure that half the step moves by more than this part of itself says so where it stands, and in a warning."""
+
+UNCONVERGED = (
+    "(± %): half the step moves the figure by so much, so it is not converged; a column is not marked where such a "
+    "figure would be the best."
+)
+"""For the words beside a table."""
 
 TOOL = {
     "tool_rms_position": ("RMS [mm]", 1e3),
@@ -43,7 +52,7 @@ class Table(NamedTuple):
     def marked(self) -> set[tuple[int, int]]:
         """Row and column of every cell that is the best of its column; none where there is nothing to compare.
 
-        Figures that are printed alike are equally good.
+        Figures that are printed alike are equally good. One that is not converged is not called the best.
         """
         found = set()
         for column, best in enumerate(self.best):
@@ -52,14 +61,21 @@ class Table(NamedTuple):
             if best is None or not known:
                 continue
             target = min(known) if best == "smallest" else max(known)
-            if values.count(target) < len(values):
+            sure = all("±" not in row[column] for row, value in zip(self.rows, values, strict=True) if value == target)
+            if sure and values.count(target) < len(values):
                 found |= {(row, column) for row, value in enumerate(values) if value == target}
         return found
 
 
 def _figure(cell: str) -> float | None:
     """The figure that a cell shows; None if it shows none."""
-    return float(cell) if re.fullmatch(r"[0-9.e+-]+", cell) else None
+    found = re.fullmatch(r"([0-9.e+-]+)( \(±[^)]*\))?", cell)
+    return None if found is None else float(found[1])
+
+
+def _told(value: float, moved: float) -> str:
+    """A figure, and by what part of itself half the step moves it, if that is notable."""
+    return number(value) + (f" (±{100.0 * abs(moved):.2g} %)" if abs(moved) > NOTABLE else "")
 
 
 def number(value: float, digits: int = 3) -> str:
@@ -100,14 +116,14 @@ def display_unit(metric: Metric, kind: str) -> tuple[float, str]:
 
 
 def per_joint(summary: pd.DataFrame, name: str) -> tuple[list[str], list[str], Array]:
-    """One metric as controllers × joints, in the units that a person reads.
+    """One metric, or how half the step moves it, as controllers × joints, in the units that a person reads.
 
     Returns:
         Row labels, the unit of each joint, and the values, shape (rows, nv).
     """
-    metric = METRICS[name]
+    metric = METRICS[name.removeprefix(MOVED)]
     first = summary[(summary.controller == summary.controller.iloc[0]) & (summary.trial == summary.trial.iloc[0])]
-    units = [display_unit(metric, kind) for kind in first.joint_kind]
+    units = [display_unit(metric, kind) if name in METRICS else (1.0, "") for kind in first.joint_kind]
     several = summary.trial.nunique() > 1
     labels, values = [], []
     for (label, trial), rows in summary.groupby(["controller", "trial"], sort=False):
@@ -123,8 +139,16 @@ def metric_table(summary: pd.DataFrame, name: str) -> Table:
     same = len(set(units)) == 1
     title = METRICS[name].title + (f" [{units[0]}]" if same and units[0] != "1" else "")
     header = joints if same else [f"{joint} [{unit}]" for joint, unit in zip(joints, units, strict=True)]
-    rows = [[label, *(number(x) for x in line)] for label, line in zip(labels, values, strict=True)]
+    moved = moves(summary, name, values)
+    rows = [
+        [label, *map(_told, line, moves)] for label, line, moves in zip(labels, values.tolist(), moved, strict=True)
+    ]
     return Table(title, ["controller", *header], rows, [None, *[METRICS[name].best] * len(header)])
+
+
+def moves(summary: pd.DataFrame, name: str, values: Array) -> Array:
+    """How half the step moves each figure of `per_joint`, relative to the finer one; NaN where that is not known."""
+    return per_joint(summary, MOVED + name)[2] if MOVED + name in summary else np.full(values.shape, np.nan)
 
 
 def overview(summary: pd.DataFrame) -> Table:
@@ -137,11 +161,11 @@ def overview(summary: pd.DataFrame) -> Table:
     if len(set(units)) == 1:
         header.append(f"worst error [{units[0]}]")
         best.append(METRICS["max_error"].best)
-        _extend(rows, worst.max(axis=1))
+        _extend(rows, figures_of_all(worst, moves(summary, "max_error", worst), np.max))
     if len(set(force_units)) == 1:
         header.append(f"chatter [{force_units[0]}]")
         best.append(METRICS["torque_variation"].best)
-        _extend(rows, variation.sum(axis=1))
+        _extend(rows, figures_of_all(variation, moves(summary, "torque_variation", variation), np.sum))
     states = summary.groupby(["controller", "trial"], sort=False)[["status", "end_time"]].first()
     if (states.status != "ok").any():
         header.append("status")
@@ -165,9 +189,23 @@ def tool_table(summary: pd.DataFrame) -> Table | None:
     return Table(f"Tool-centre error of {summary.tool.iloc[0]}", header, lines, best)
 
 
-def _extend(rows: list[list[str]], values: Array) -> None:
-    for row, value in zip(rows, values, strict=True):
-        row.append(number(float(value)))
+def figures_of_all(values: Array, moved: Array, whole: Callable[..., Array]) -> list[str]:
+    """One figure for all joints, and by what part of itself half the step moves it.
+
+    Args:
+        values: Figures of the joints, 0 or more, shape (rows, nv).
+        moved: See `moves`.
+        whole: What makes one of them along an axis, such as `numpy.max`.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):  # a figure of 0 that half the step moves
+        now, finer = whole(values, axis=1), whole(values / (1.0 - moved), axis=1)
+    change = np.divide(finer - now, finer, out=np.full(finer.shape, np.nan), where=finer > 0.0)
+    return [_told(value, part) for value, part in zip(now.tolist(), change.tolist(), strict=True)]
+
+
+def _extend(rows: list[list[str]], cells: list[str]) -> None:
+    for row, cell in zip(rows, cells, strict=True):
+        row.append(cell)
 
 
 def markdown_table(table: Table) -> str:

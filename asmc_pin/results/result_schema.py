@@ -11,7 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from asmc_pin.errors import ResultError
-from asmc_pin.metrics import METRICS
+from asmc_pin.metrics import METRICS, MOVED
 from asmc_pin.monitors import CAUSES, STATEMENTS, STATUSES
 from asmc_pin.results.result_files import Columns, check_columns
 from asmc_pin.words.text import printable
@@ -46,6 +46,8 @@ _TOOL: Columns = {
     "tool": "text",
     **{f"tool_{name}": "number" for name in ("rms_position", "max_position", "rms_rotation", "max_rotation")},
 }
+_MOVED: Columns = {f"{MOVED}{name}": "number" for name in METRICS}
+"""How half the step moves each metric, where that was asked for."""
 _CLAIMS: Columns = {
     **dict.fromkeys(("controller", "claim", "title", "statement", "status", "unit", "reason"), "text"),
     **dict.fromkeys(("trial", "checked", "broken", *CAUSES), "count"),
@@ -135,6 +137,8 @@ def check_summary(path: Path, rows: pd.DataFrame, dataset: xr.Dataset) -> None:
     check_columns(path, rows, _SUMMARY)
     if "tool" in rows:
         check_columns(path, rows, _TOOL)
+    if any(str(name).startswith(MOVED) for name in rows):
+        check_columns(path, rows, _MOVED)
     labels, joints = dataset.controller.to_numpy().tolist(), dataset.joint.to_numpy().tolist()
     kinds, trials = dataset.joint_kind.to_numpy().tolist(), dataset.sizes["trial"]
     keys = ["controller", "trial", "joint", "joint_kind"]

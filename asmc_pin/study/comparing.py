@@ -97,6 +97,7 @@ def compare(
     if refine:
         refined = _refined(experiment, rows, shown, lambda what, done: tell(what, share + (_SIMULATION - share) * done))
         after += refined.warnings()
+        rows = rows.join(refined.columns())
     for line in after:
         warnings.append(line)
         say(line)

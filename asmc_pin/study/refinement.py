@@ -8,11 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from asmc_pin.metrics import METRICS
-from asmc_pin.pages.summary_tables import TOOL, Table
+from asmc_pin.metrics import METRICS, MOVED
+from asmc_pin.pages.summary_tables import NOTABLE, TOOL, Table
 
-# A metric that moves by more than this part of itself is told as a warning, if a reader is to compare laws by it.
-NOTABLE = 0.02
 _JUDGED = [name for name, metric in METRICS.items() if metric.main and metric.best]
 
 
@@ -74,6 +72,10 @@ class Refinement:
         ]
         text = f"half the step changes the ranking by RMS tracking error at {', '.join(joints)}; take more substeps"
         return [text] if joints else []
+
+    def columns(self) -> pd.DataFrame:
+        """The relative moves as columns for the summary, so that a figure that is not converged says so."""
+        return self.relative[list(METRICS)].add_prefix(MOVED)
 
     def table(self) -> Table:
         """Largest relative move of every metric, one row for each controller."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from asmc_pin.pages.summary_tables import markdown_table, metric_tables_markdown, tool_table
+from asmc_pin.pages.summary_tables import UNCONVERGED, markdown_table, metric_tables_markdown, tool_table
 from asmc_pin.pages.theorem_tables import theorems_markdown
 from asmc_pin.study.comparison import Comparison
 from asmc_pin.words.media import for_markdown
@@ -28,6 +28,7 @@ def summary_markdown(comparison: Comparison) -> str:
         "",
         "Worst error: the largest of all joints. Chatter: torque variation per second, summed over the joints. "
         "Bold: the best figure of a column, where there is such a thing. Dash: not defined.",
+        *([] if comparison.refinement is None else [UNCONVERGED]),
         "",
         metric_tables_markdown(comparison.rows),
         "",

@@ -113,6 +113,26 @@ def test_a_narrower_box_is_in_text_json_and_page(asmc_pin: Run, tmp_path: Path) 
     assert json.loads(asmc_pin(*asked, "--json")[1])["box"]["joint_2"] == [-0.25, 0.5]
 
 
+def test_a_range_that_is_taken_as_one_turn_is_said_to_be(asmc_pin: Run) -> None:
+    told = "Whole turns: {}: a range of a turn or more is taken as one turn, which loses nothing: M(q) repeats after 2π"
+    _, text, _ = asmc_pin("design", "two_link", "--box", "joint_2=-4:4")
+    assert told.format("every joint") in text.splitlines()
+    asked = ["verify", "two_link", "--mbar", "0.01", "--samples", "64"]
+    _, text, _ = asmc_pin(*asked, "--box", "joint_2=-1:1")
+    assert told.format("joint_1") in text.splitlines()
+    _, text, _ = asmc_pin(*asked, "--box", "joint_2=-1:1", "--box", "joint_1=-3:3.2")
+    assert "Whole turns" not in text
+    q = np.random.default_rng(0).uniform(-np.pi, np.pi, (20, 6))
+    arm = load_arm("ur5")
+    np.testing.assert_allclose(arm.mass_matrix(q + 2.0 * np.pi), arm.mass_matrix(q), atol=1e-12)
+
+
+def test_a_long_slide_is_no_whole_turn(tmp_path: Path) -> None:
+    text = robot(link("base"), link("cart", inertial(2.0)), joint("rail", "base", "cart", kind="prismatic"))
+    arm = load_arm(write(tmp_path, text))
+    assert verify(arm, 1.0, box={"rail": (-10.0, 10.0)}, samples=8).hypotheses.turning == ()
+
+
 def test_where_no_mbar_suits_the_hypotheses_are_named_all_the_same(asmc_pin: Run, tmp_path: Path) -> None:
     asked = ["design", "two_link", "--payload", "0:2", "--bounds", "joint_1=50:60", "--condition", "weighted"]
     status, text, _ = asmc_pin(*asked, "--report", str(tmp_path / "page.html"))

@@ -146,6 +146,25 @@ def test_equal_figures_have_no_winner_and_metrics_without_any_figure_no_table():
     assert f"`{METRICS['final_gain'].formula}`" in text
 
 
+def test_a_figure_that_half_the_step_moves_says_so_where_it_stands_and_is_not_called_the_best():
+    frame = summary(
+        rms_error=np.radians([1.0, 2.0, 3.0, 4.0]),
+        moved_rms_error=[0.014, -0.11, 0.17, np.nan],
+        max_error=np.radians([1.0, 2.0, 3.0, 4.0]),
+        moved_max_error=[0.0, 0.2, 0.0, 0.01],
+        torque_variation=[10.0, 20.0, 1.0, 2.0],
+        moved_torque_variation=[0.5, 0.0, 0.0, 0.0],
+    )
+    table = overview(frame)
+    # Finer, the worst error of the first is 2.5, and its chatter 20 + 20.
+    assert table.rows[0][1:] == ["1.00", "2.00 (±11 %)", "2.00 (±20 %)", "30.0 (±25 %)"]
+    assert table.rows[1][1:] == ["3.00 (±17 %)", "4.00", "4.00", "3.00"]
+    assert table.marked() == {(0, 1), (1, 4)}
+    assert r"\textbf{1.00} & 2.00 ($\pm$11 \%)" in latex_table(frame, ["rms_error"])
+    assert "(±17 %)" in table_html(metric_table(frame, "rms_error"), {})
+    assert "±" not in str(overview(summary()))
+
+
 def test_several_trials_are_several_rows():
     frame = pd.concat([summary(), summary().assign(trial=1)])
     labels = [row[0] for row in metric_table(frame, "rms_error").rows]

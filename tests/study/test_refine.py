@@ -113,11 +113,17 @@ def test_a_step_that_is_too_long_is_told_and_a_short_one_is_not(tmp_path):
     coarse = compare(rough.with_plant(substeps=1), out=tmp_path / "coarse", refine=True)
     fine = compare(rough.with_plant(substeps=64, integrator="midpoint"), out=tmp_path / "fine", refine=True)
     assert any("half the step moves" in line for line in coarse.warnings)
+    assert "±" in str(coarse.overview().rows)
+    assert "±" not in str(fine.overview().rows)
+    written = [(coarse.out / name).read_text(encoding="utf-8") for name in ("summary.md", "report.html")]
+    cells = [cell for row in coarse.overview().rows for cell in row if "±" in cell]
+    assert all(cell in text and "it is not converged" in text for text in written for cell in cells)
     assert not any("half the step" in line for line in fine.warnings)
 
 
 def test_without_it_nothing_is_said(tmp_path):
     plain = compare(experiment(), out=tmp_path / "p")
+    assert not [name for name in load_result(plain.out).summary if name.startswith("moved_")]
     assert plain.refinement is None
     assert "refinement" not in plain.to_json_dict()["controllers"]["PPC"]
     assert "substeps" not in (plain.out / "summary.md").read_text(encoding="utf-8")

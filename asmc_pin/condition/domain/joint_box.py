@@ -10,6 +10,7 @@ import numpy as np
 
 from asmc_pin._typing import Array, BoolArray
 from asmc_pin.arms.urdf.magnitudes import LIMIT
+from asmc_pin.condition.hypotheses import WHOLE_TURN
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.units import check_range
 
@@ -98,7 +99,7 @@ def resolve_box(arm: Arm, box: BoxLike = None) -> Box:
             raise ParameterError(
                 "box", f"the range {lo:g}:{hi:g} given for joint '{name}', ends within ±{LIMIT:g} expected"
             )
-    periodic = kinds & (upper - lower >= FULL_TURN * (1.0 - 1e-12))
+    periodic = kinds & (upper - lower >= WHOLE_TURN)
     middle = 0.5 * (lower + upper)
     lower = np.where(periodic, middle - np.pi, lower)
     upper = np.where(periodic, middle + np.pi, upper)
