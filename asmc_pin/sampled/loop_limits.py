@@ -167,12 +167,6 @@ def critical_set(workspace: Workspace, loop: SampledLoop, worst_q: Array) -> Cri
     return Configurations(workspace, np.concatenate([worst_q[None], q_low[None], q_high[None], others]))
 
 
-def largest_gain_scale(workspace: Workspace, loop: SampledLoop, worst_q: Array) -> float:
-    """The factor on β and K_s together at which the loop becomes unstable somewhere; 0 if no gains are stable."""
-    critical = critical_set(workspace, loop, worst_q)
-    return _end(critical, lambda x: loop.scaled(ks=x, beta=x), gain_grid(loop))
-
-
 def gain_grid(loop: SampledLoop) -> Array:
     """Factors from a loop so slow that only M̄ matters to one so fast that no M̄ is stable."""
     return grid(1e-4 / (loop.period * float(loop.kd.max())), 1e4 / (loop.period * float(loop.kd.min())))
