@@ -18,25 +18,4 @@ if TYPE_CHECKING:
     from asmc_pin.arms.registry import ArmEntry as ArmEntry
     from asmc_pin.arms.registry import arm_names as arm_names
 
-__getattr__, __dir__ = load_on_first_use(
-    __name__,
-    {
-        "ARMS": "registry",
-        "Arm": "arm",
-        "ArmEntry": "registry",
-        "Payload": "payload",
-        "arm_names": "registry",
-        "arms_table": "listing",
-        "load_arm": "loading",
-    },
-)
-
-__all__ = [
-    "ARMS",
-    "Arm",
-    "ArmEntry",
-    "Payload",
-    "arm_names",
-    "arms_table",
-    "load_arm",
-]
+__getattr__, __dir__, __all__ = load_on_first_use(__name__)

@@ -28,43 +28,4 @@ if TYPE_CHECKING:
     from asmc_pin.condition.search.worst_case import search_worst as search_worst
     from asmc_pin.condition.verifying import verify as verify
 
-__getattr__, __dir__ = load_on_first_use(
-    __name__,
-    {
-        "CONDITIONS": "norm.two_conditions",
-        "Condition": "norm.two_conditions",
-        "ConditionReport": "condition_report",
-        "DesignReport": "best_mbar.design_report",
-        "Heatmap": "search.norm_maps",
-        "Recording": "domain.recorded_motion",
-        "certified": "certificate.search_and_proof",
-        "design": "best_mbar.designing",
-        "heatmap": "search.norm_maps",
-        "lemma1_norm": "norm.two_conditions",
-        "read_recording": "domain.recorded_motion",
-        "scale_refuted": "search.worst_case",
-        "search_worst": "search.worst_case",
-        "tde_error": "domain.recorded_motion",
-        "verify": "verifying",
-        "weighted_norm": "norm.two_conditions",
-    },
-)
-
-__all__ = [
-    "CONDITIONS",
-    "Condition",
-    "ConditionReport",
-    "DesignReport",
-    "Heatmap",
-    "Recording",
-    "certified",
-    "design",
-    "heatmap",
-    "lemma1_norm",
-    "read_recording",
-    "scale_refuted",
-    "search_worst",
-    "tde_error",
-    "verify",
-    "weighted_norm",
-]
+__getattr__, __dir__, __all__ = load_on_first_use(__name__)

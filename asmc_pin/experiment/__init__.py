@@ -14,23 +14,4 @@ if TYPE_CHECKING:
     from asmc_pin.experiment.json_schema import experiment_schema_text as experiment_schema_text
     from asmc_pin.experiment.law_lookup import load_law as load_law
 
-__getattr__, __dir__ = load_on_first_use(
-    __name__,
-    {
-        "Experiment": "experiment",
-        "experiment_names": "finding",
-        "experiment_schema": "json_schema",
-        "experiment_schema_text": "json_schema",
-        "load_experiment": "finding",
-        "load_law": "law_lookup",
-    },
-)
-
-__all__ = [
-    "Experiment",
-    "experiment_names",
-    "experiment_schema",
-    "experiment_schema_text",
-    "load_experiment",
-    "load_law",
-]
+__getattr__, __dir__, __all__ = load_on_first_use(__name__)

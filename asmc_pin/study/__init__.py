@@ -10,12 +10,4 @@ if TYPE_CHECKING:
     from asmc_pin.study.comparing import compare as compare
     from asmc_pin.study.comparison import Comparison as Comparison
 
-__getattr__, __dir__ = load_on_first_use(
-    __name__,
-    {
-        "Comparison": "comparison",
-        "compare": "comparing",
-    },
-)
-
-__all__ = ["Comparison", "compare"]
+__getattr__, __dir__, __all__ = load_on_first_use(__name__)

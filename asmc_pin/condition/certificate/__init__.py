@@ -11,17 +11,4 @@ if TYPE_CHECKING:
     from asmc_pin.condition.certificate.proving import certify as certify
     from asmc_pin.condition.certificate.strategy import ProofProgress as ProofProgress
 
-__getattr__, __dir__ = load_on_first_use(
-    __name__,
-    {
-        "CertificateResult": "certificate_result",
-        "ProofProgress": "strategy",
-        "certify": "proving",
-    },
-)
-
-__all__ = [
-    "CertificateResult",
-    "ProofProgress",
-    "certify",
-]
+__getattr__, __dir__, __all__ = load_on_first_use(__name__)

@@ -16,17 +16,4 @@ if TYPE_CHECKING:
     from asmc_pin.condition.checker.outcome import CheckResult as CheckResult
     from asmc_pin.condition.checker.replay import check as check
 
-__getattr__, __dir__ = load_on_first_use(
-    __name__,
-    {
-        "CheckResult": "outcome",
-        "CheckedStatement": "outcome",
-        "check": "replay",
-    },
-)
-
-__all__ = [
-    "CheckResult",
-    "CheckedStatement",
-    "check",
-]
+__getattr__, __dir__, __all__ = load_on_first_use(__name__)
