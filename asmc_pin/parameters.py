@@ -131,6 +131,22 @@ class OptionalScalar(Parameter["float | None", "float | None"]):
         return None if value is None else self._scalar.convert(value)
 
 
+class AsGiven(Parameter[Any, Any]):
+    """What is kept as it is given: text, a table, a list of names. The class that has it checks it.
+
+    Attributes:
+        shape: What may be given, in words.
+    """
+
+    def __init__(self, meaning: str, unit: str = "", *, shape: str, default: Any = REQUIRED) -> None:
+        super().__init__(meaning, unit, default=default)
+        self.shape = shape
+
+    def convert(self, value: Any) -> Any:
+        """The value."""
+        return value
+
+
 class Values(Parameter[Array, Any]):
     """Numbers as a read-only array with one of the stated numbers of axes; given as a number, nested lists or an array.
 
@@ -193,6 +209,31 @@ class PerJoint(Values):
             at_least=at_least,
             default=default,
         )
+
+
+class PerTrial(PerJoint):
+    """As `PerJoint`, or (batch, nv) values, one row for each trial; None where that is the default.
+
+    Files have no trials, so an experiment gives it as it gives a `PerJoint`.
+    """
+
+    def __init__(
+        self,
+        meaning: str,
+        unit: str = "",
+        *,
+        above: float | None = None,
+        at_least: float | None = None,
+        default: float | None = REQUIRED,
+    ) -> None:
+        super().__init__(meaning, unit, above=above, at_least=at_least)
+        self.default = default
+        self.axes = (0, 1, 2)
+        self.shape = "a number, a list of one per joint, or a row of these for each trial"
+
+    def convert(self, value: Any) -> Any:
+        """A read-only array of shape (), (nv,) or (batch, nv); None if that is the default."""
+        return None if value is None and self.default is None else super().convert(value)
 
 
 class OptionalPerJoint(PerJoint):

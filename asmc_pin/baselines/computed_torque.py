@@ -8,12 +8,13 @@ from typing import ClassVar
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.baselines.model_law import ModelLaw
+from asmc_pin.baselines.model_law import ModelLaw, model_law
 from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.controllers.tde import sliding_variable
 from asmc_pin.parameters import PerJoint, Scalar
 
 
+@model_law("computed_torque")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ComputedTorque(ModelLaw):
     """τ = M̂(q)(q̈_d + K_s ė + β s) + Ĉ(q, q̇)q̇ + ĝ(q) + f̂.

@@ -14,6 +14,7 @@ from asmc_pin.arms import Arm
 from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.errors import ParameterError
 from asmc_pin.parameters import Choice, Scalar, match_joints
+from asmc_pin.registering import registering
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -109,3 +110,9 @@ class ModelLaw(ABC):
     def __reduce__(self) -> tuple[Any, ...]:
         # Through the constructor, so that a copy in another process is as read-only as this one.
         return partial(type(self), **{f.name: getattr(self, f.name) for f in fields(self)}), ()
+
+
+BASELINES: dict[str, type[ModelLaw]] = {}
+"""The laws by the names that experiments use; complete in `asmc_pin.baselines`, which imports their files."""
+
+model_law = registering(BASELINES)

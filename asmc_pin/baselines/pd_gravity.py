@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from asmc_pin._typing import Array
-from asmc_pin.baselines.model_law import ModelLaw
+from asmc_pin.baselines.model_law import ModelLaw, model_law
 from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.parameters import PerJoint
 
 
+@model_law("pd_gravity")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PdGravity(ModelLaw):
     """τ = K_p e + K_d ė + ĝ(q).

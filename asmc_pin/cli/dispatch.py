@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from importlib import import_module
+from pkgutil import iter_modules
 
+from asmc_pin.cli import commands
 from asmc_pin.cli.app import app
-from asmc_pin.cli.commands import (  # noqa: F401 - commands register themselves on import
-    condition_commands,
-    design_commands,
-    listing_commands,
-    proof_commands,
-    study_commands,
-)
 from asmc_pin.cli.console import note
 from asmc_pin.cli.interrupt import INTERRUPTED
+
+# Commands register themselves on import; help lists them in the order of their files' names.
+for _file in sorted(iter_modules(commands.__path__), key=lambda found: found.name):
+    import_module(f"{commands.__name__}.{_file.name}")
 
 
 def run(argv: Sequence[str] | None) -> int:

@@ -7,10 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from asmc_pin.controllers.baek2016 import Baek2016
-from asmc_pin.controllers.bsmc import Bsmc
-from asmc_pin.controllers.plestan2010 import Plestan2010
-from asmc_pin.controllers.ppc import Ppc
+from asmc_pin.controllers.law_registry import CONTROLLERS
 from asmc_pin.controllers.protocol import Controller, Sample, Setpoint
 from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, TdeState, signed, sliding_variable
 from asmc_pin.parameters import (
@@ -23,12 +20,18 @@ from asmc_pin.parameters import (
     parameters_of,
 )
 
+# Every law's file, in the order of the tables. The import is what registers the law.
+# isort: off
+from asmc_pin.controllers.ppc import Ppc as Ppc
+from asmc_pin.controllers.bsmc import Bsmc as Bsmc
+from asmc_pin.controllers.plestan2010 import Plestan2010 as Plestan2010
+from asmc_pin.controllers.baek2016 import Baek2016 as Baek2016
+# isort: on
+
 __all__ = [
     "CONTROLLERS",
     "REQUIRED",
     "AdaptiveState",
-    "Baek2016",
-    "Bsmc",
     "Choice",
     "Controller",
     "LawInfo",
@@ -36,8 +39,6 @@ __all__ = [
     "Parameter",
     "ParameterInfo",
     "PerJoint",
-    "Plestan2010",
-    "Ppc",
     "Sample",
     "Scalar",
     "Setpoint",
@@ -50,9 +51,6 @@ __all__ = [
     "signed",
     "sliding_variable",
 ]
-
-CONTROLLERS: dict[str, type[TdeLaw]] = {"ppc": Ppc, "bsmc": Bsmc, "plestan2010": Plestan2010, "baek2016": Baek2016}
-"""The laws by the names that experiments use."""
 
 
 @dataclass(frozen=True, slots=True)

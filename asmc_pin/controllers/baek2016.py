@@ -9,11 +9,13 @@ from typing import ClassVar
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.controllers.law_registry import law
 from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, signed
 from asmc_pin.parameters import PerJoint, Scalar
 
 
+@law("baek2016")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Baek2016(TdeLaw):
     """Baek 2016 (9): τ = PPC + M̄ K̂ sgn(s), K̂ = diag(k̂₁ … k̂ₙ) adapted by (11).

@@ -8,11 +8,13 @@ from typing import ClassVar
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.controllers.law_registry import law
 from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.controllers.tde import TdeLaw, TdeState
 from asmc_pin.parameters import PerJoint
 
 
+@law("bsmc")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Bsmc(TdeLaw):
     """τ = PPC + M̄ K sat(s/Φ), sat(x) = clip(x, −1, 1); reference [43] of Baek 2016.

@@ -8,11 +8,13 @@ from typing import ClassVar
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.controllers.law_registry import law
 from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, signed
 from asmc_pin.parameters import Scalar
 
 
+@law("plestan2010")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Plestan2010(TdeLaw):
     """τ = PPC + M̄ k̂ sgn(s) with one k̂ ≥ μ shared by all joints.

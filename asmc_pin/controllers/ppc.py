@@ -8,10 +8,12 @@ from typing import ClassVar
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.controllers.law_registry import law
 from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.controllers.tde import TdeLaw, TdeState
 
 
+@law("ppc")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Ppc(TdeLaw):
     """Baek 2016 (7): τ = τ(t−L) − M̄ q̈(t−L) + M̄ (q̈_d + K_s ė + β s). Parameters: those of `TdeLaw`."""

@@ -84,7 +84,8 @@ class Signature:
             schema = dict(_NUMBER)
         elif isinstance(item, Values):
             kinds = (_NUMBER, _LIST, _NESTED)
-            schema = {"anyOf": [kinds[min(axes, 2)] for axes in item.axes]}
+            in_files = (0, 1) if isinstance(item, PerJoint) else item.axes  # a row per trial is for Python alone
+            schema = {"anyOf": [kinds[min(axes, 2)] for axes in in_files]}
         else:
             schema = {}
         unit = f", {item.unit}" if item.unit else ""

@@ -22,8 +22,8 @@ from asmc_pin.experiment.plant_parts import LISTS, TABLES, plant_parts
 from asmc_pin.experiment.toml_keys import ExperimentTables
 from asmc_pin.experiment.toml_text import parse_toml, write_toml
 from asmc_pin.metrics import MetricSettings
-from asmc_pin.plant import Friction, Plant
-from asmc_pin.references import CartesianPath, Reference
+from asmc_pin.plant import Plant
+from asmc_pin.references import OnAnArm, Reference
 from asmc_pin.words.shown import Cells, Shown
 
 
@@ -165,7 +165,7 @@ class Experiment(Shown, ExperimentTables):
         if not problems and reference.nv != arm.nv:
             problems = [Problem("reference", f"moves {reference.nv} joints, but {experiment_checks.joints_of(arm)}")]
         experiment_checks.fail(problems, self._origin)
-        if isinstance(reference, CartesianPath):
+        if isinstance(reference, OnAnArm):
             experiment_checks.fail(
                 experiment_checks.angle_problems("reference.start", arm, np.array(reference.start)), self._origin
             )
@@ -226,12 +226,10 @@ class Experiment(Shown, ExperimentTables):
         if self.plant.q0 is not None:
             q0 = np.broadcast_to(self.plant.q0, (arm.nv,))
             experiment_checks.fail(experiment_checks.angle_problems("plant.q0", arm, q0), self._origin)
-        elsewhere = {"q0", "v0", "friction", *TABLES, *LISTS}
+        elsewhere = {"q0", "v0", *TABLES, *LISTS}
         options = self.plant.model_dump(exclude=elsewhere, exclude_unset=True, exclude_none=True)
         options |= plant_parts(self._data.get("plant"))[0]
         try:
-            if self.plant.friction is not None:
-                options["friction"] = Friction(**self.plant.friction.model_dump())
             return Plant(arm, seed=self.seed, **options)
         except ParameterError as error:
             text = str(error).removeprefix(f"{error.parameter}: ")

@@ -14,6 +14,7 @@ from asmc_pin.arms import Arm
 from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment.constructors import Problem, Signature, construct, nearest
 from asmc_pin.experiment.law_lookup import LAWS, is_own, load_law
+from asmc_pin.experiment.plant_parts import TABLES
 from asmc_pin.experiment.toml_keys import ExperimentTables
 from asmc_pin.references import REFERENCES, Reference
 from asmc_pin.words.text import printable
@@ -235,8 +236,9 @@ def plant_size_problems(tables: ExperimentTables, arm: Arm) -> list[Problem]:
     plant = tables.plant
     given = [("metrics.settling_band", tables.metrics.settling_band)]
     given += [(f"plant.{name}", getattr(plant, name)) for name in ("effort_limit", "q0", "v0")]
-    if plant.friction is not None:
-        given += [(f"plant.friction.{name}", value) for name, value in plant.friction]
+    for key, cls in TABLES.items():
+        signature, table = Signature(cls), getattr(plant, key) or {}
+        given += [(f"plant.{key}.{name}", value) for name, value in table.items() if signature.per_joint(name)]
     return _wrong_sizes(given, arm)
 
 

@@ -1,4 +1,4 @@
-"""The parts of ``[plant]`` whose keys are the parameters of a class: drive, sensor and world.
+"""The parts of ``[plant]`` whose keys are the parameters of a class: friction, drive, sensor and world.
 
 As with laws and references, the class says what its keys are, so a new parameter needs no second list here.
 """
@@ -9,9 +9,15 @@ from collections.abc import Mapping
 from typing import Any
 
 from asmc_pin.experiment.constructors import Problem, Signature, construct, nearest
-from asmc_pin.plant import Disturbance, Drive, EndStops, PayloadChange, Sensor, Spread
+from asmc_pin.plant import Disturbance, Drive, EndStops, Friction, PayloadChange, Sensor, Spread
 
-TABLES: dict[str, type] = {"drive": Drive, "sensor": Sensor, "end_stops": EndStops, "spread": Spread}
+TABLES: dict[str, type] = {
+    "friction": Friction,
+    "drive": Drive,
+    "sensor": Sensor,
+    "end_stops": EndStops,
+    "spread": Spread,
+}
 """Keys of ``[plant]`` that are a table."""
 
 LISTS: dict[str, type] = {"disturbances": Disturbance, "payload_changes": PayloadChange}
@@ -39,6 +45,12 @@ def plant_parts(plant: Any) -> tuple[dict[str, Any], list[Problem]]:
 def _part(cls: type, table: Any, path: str) -> tuple[Any, list[Problem]]:
     if not isinstance(table, Mapping):
         return None, [Problem(path, f"must be a table, got {table!r}")]
-    names = Signature(cls).names
-    unknown = [Problem(f"{path}.{key}", f"unknown key: {nearest(key, names)}") for key in table if key not in names]
-    return (None, unknown) if unknown else construct(cls, table, path)
+    signature = Signature(cls)
+    names = signature.names
+    wrong = [Problem(f"{path}.{key}", f"unknown key: {nearest(key, names)}") for key in table if key not in names]
+    wrong += [
+        Problem(f"{path}.{key}", f"must be a number, or a list with one for each joint, got {value!r}")
+        for key, value in table.items()
+        if signature.per_joint(key) and isinstance(value, list) and any(isinstance(item, list) for item in value)
+    ]
+    return (None, wrong) if wrong else construct(cls, table, path)

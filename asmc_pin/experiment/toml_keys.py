@@ -56,13 +56,11 @@ def _per_joint(what: str, allowed: Callable[[float], bool]) -> BeforeValidator:
 
 _SCHEMA = WithJsonSchema(_NUMBERS_SCHEMA)
 _FINITE = _per_joint("a finite number", math.isfinite)
-_NOT_NEGATIVE = _per_joint("a number of 0 or more", lambda x: math.isfinite(x) and x >= 0.0)
 _POSITIVE = _per_joint("a positive number", lambda x: math.isfinite(x) and x > 0.0)
 # TOML has inf, and a limit of inf says plainly that there is none.
 _LIMIT = _per_joint("a positive number (inf for no limit)", lambda x: x > 0.0)
 _Numbers = float | list[float]
 PerJoint = Annotated[_Numbers, _FINITE, _SCHEMA]
-NonNegativePerJoint = Annotated[_Numbers, _NOT_NEGATIVE, _SCHEMA]
 PositivePerJoint = Annotated[_Numbers, _POSITIVE, _SCHEMA]
 _Infinite = Annotated[float, Field(allow_inf_nan=True)]
 LimitPerJoint = Annotated[_Infinite | list[_Infinite], _LIMIT, _SCHEMA]
@@ -149,31 +147,6 @@ def arm_table(value: Any) -> Any:
     return {"source": value} if isinstance(value, str) else value
 
 
-class FrictionTable(Table):
-    """Joint friction of the plant; without a default below, what is omitted is as in docs/plant.md."""
-
-    coulomb: NonNegativePerJoint = Field(default=0.0, description="Coulomb friction, N·m (N)")
-    viscous: NonNegativePerJoint = Field(default=0.0, description="viscous friction, N·m·s/rad (N·s/m)")
-    breakaway: NonNegativePerJoint | None = Field(
-        default=None, description="level at rest, N·m (N); the Coulomb level when omitted"
-    )
-    stribeck_velocity: PositivePerJoint = Field(
-        default=0.01, description="speed over which it falls to the Coulomb level, rad/s (m/s)"
-    )
-    coulomb_backward: NonNegativePerJoint | None = Field(
-        default=None, description="Coulomb friction against motion backwards, N·m (N); the same when omitted"
-    )
-    breakaway_backward: NonNegativePerJoint | None = Field(
-        default=None, description="level at rest against motion backwards, N·m (N); the same when omitted"
-    )
-    presliding: NonNegativePerJoint | None = Field(
-        default=None, description="stiffness before breaking loose, N·m/rad (N/m); rigid when omitted"
-    )
-    presliding_damping: NonNegativePerJoint = Field(
-        default=0.0, description="damping of that stiffness, N·m·s/rad (N·s/m)"
-    )
-
-
 class PlantTable(Table):
     """The simulated world. What is omitted is the plant's own default."""
 
@@ -184,7 +157,7 @@ class PlantTable(Table):
     integrator: Literal["semi_implicit", "midpoint", "rk4"] = Field(
         default="semi_implicit", description="scheme between the control ticks, see docs/plant.md"
     )
-    friction: FrictionTable | None = Field(default=None, description="joint friction; the URDF's when omitted")
+    friction: dict[str, Any] | None = Field(default=None, description="joint friction; the URDF's when omitted")
     effort_limit: LimitPerJoint | None = Field(
         default=None, description="torque limits, N·m (N), inf for none; the URDF's when omitted"
     )

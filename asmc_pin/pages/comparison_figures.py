@@ -25,6 +25,9 @@ FAR_APART = 15.0
 """From this ratio on between the laws' RMS values a linear axis would show the largest only."""
 
 
+_Draw = Callable[[xr.Dataset, Array], Figure]
+
+
 class Drawing(NamedTuple):
     """One figure of a comparison.
 
@@ -34,7 +37,22 @@ class Drawing(NamedTuple):
     """
 
     caption: str
-    draw: Callable[[xr.Dataset, Array], Figure]
+    draw: _Draw
+
+
+_REGISTRY: dict[str, Drawing] = {}
+FIGURES: Mapping[str, Drawing] = MappingProxyType(_REGISTRY)
+"""The figures by the names of their files, in the order of the report."""
+
+
+def _figure(caption: str) -> Callable[[_Draw], _Draw]:
+    """Make a function one of the figures, under its name without ``_figure``; they are drawn in the order below."""
+
+    def register(draw: _Draw) -> _Draw:
+        _REGISTRY[draw.__name__.removesuffix("_figure")] = Drawing(caption, draw)
+        return draw
+
+    return register
 
 
 def draw_figures(dataset: xr.Dataset, folder: Path, effort_limit: Array | None = None) -> list[Path]:
@@ -59,6 +77,7 @@ def draw_figures(dataset: xr.Dataset, folder: Path, effort_limit: Array | None =
     return paths
 
 
+@_figure("The motion to follow: desired positions of the joints.")
 def reference_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     """The desired motion of every joint."""
     figure, axes = _joint_grid(dataset)
@@ -70,6 +89,30 @@ def reference_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     return figure
 
 
+@_figure("Tracking error of every joint.")
+def errors_figure(dataset: xr.Dataset, limit: Array) -> Figure:
+    """Tracking error of every joint, all controllers; its size on a logarithmic axis where they are far apart."""
+    figure, axes = _joint_grid(dataset)
+    time = dataset.time.to_numpy()
+    error = dataset.q_ref.to_numpy() - _by_controller(dataset, "q")
+    logarithmic = spread(error) > FAR_APART
+    for i, axis in enumerate(axes):
+        factor, unit = _angle(dataset, i)
+        for _, color, k in _controllers(dataset):
+            if logarithmic:
+                axis.plot(*running_max(time, factor * np.abs(error[k, :, i])), color=color)
+            else:
+                axis.plot(*thinned(time, factor * error[k, :, i]), color=color)
+        if logarithmic:
+            axis.set_yscale("log")
+            low, high = axis.get_ylim()
+            axis.set_ylim(bottom=max(low, 1e-5 * high))  # what starts on the reference starts at 0
+        axis.set_ylabel(rf"$|e_{{{i + 1}}}|$ [{unit}]" if logarithmic else rf"$e_{{{i + 1}}}$ [{unit}]")
+    _legend(figure, dataset)
+    return figure
+
+
+@_figure("Switching gains and sliding variables.")
 def gains_and_s_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     """Adaptive gain and sliding variable of every joint; gains of the laws that have one."""
     count = dataset.sizes["joint"]
@@ -100,7 +143,8 @@ def gains_and_s_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     return figure
 
 
-def torque_figure(dataset: xr.Dataset, limit: Array) -> Figure:
+@_figure("Torque of every joint, after the drive's limits.")
+def torques_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     """Torque of every joint (rows) under every controller (columns), with the limit where it is near."""
     count, controllers = dataset.sizes["joint"], list(_controllers(dataset))
     figure = Figure(figsize=(PAGE, 0.45 + 1.05 * count), layout="constrained")
@@ -123,39 +167,6 @@ def torque_figure(dataset: xr.Dataset, limit: Array) -> Figure:
         axis.set_xlabel(TIME)
     _whole_run(figure, time)
     return figure
-
-
-def error_figure(dataset: xr.Dataset, limit: Array) -> Figure:
-    """Tracking error of every joint, all controllers; its size on a logarithmic axis where they are far apart."""
-    figure, axes = _joint_grid(dataset)
-    time = dataset.time.to_numpy()
-    error = dataset.q_ref.to_numpy() - _by_controller(dataset, "q")
-    logarithmic = spread(error) > FAR_APART
-    for i, axis in enumerate(axes):
-        factor, unit = _angle(dataset, i)
-        for _, color, k in _controllers(dataset):
-            if logarithmic:
-                axis.plot(*running_max(time, factor * np.abs(error[k, :, i])), color=color)
-            else:
-                axis.plot(*thinned(time, factor * error[k, :, i]), color=color)
-        if logarithmic:
-            axis.set_yscale("log")
-            low, high = axis.get_ylim()
-            axis.set_ylim(bottom=max(low, 1e-5 * high))  # what starts on the reference starts at 0
-        axis.set_ylabel(rf"$|e_{{{i + 1}}}|$ [{unit}]" if logarithmic else rf"$e_{{{i + 1}}}$ [{unit}]")
-    _legend(figure, dataset)
-    return figure
-
-
-FIGURES: Mapping[str, Drawing] = MappingProxyType(
-    {
-        "reference": Drawing("The motion to follow: desired positions of the joints.", reference_figure),
-        "errors": Drawing("Tracking error of every joint.", error_figure),
-        "gains_and_s": Drawing("Switching gains and sliding variables.", gains_and_s_figure),
-        "torques": Drawing("Torque of every joint, after the drive's limits.", torque_figure),
-    }
-)
-"""The figures by the names of their files, in the order of the report."""
 
 
 def _joint_grid(dataset: xr.Dataset) -> tuple[Figure, list[Axes]]:

@@ -37,7 +37,10 @@ class JointFriction:
         self._coulomb_back = spread("coulomb_backward")
         self._breakaway, self._breakaway_back = spread("breakaway"), spread("breakaway_backward")
         self._scale = spread("stribeck_velocity")
+        self._terms = [(item.level, spread(name)) for name, item in friction.terms.items()]
         self._kinked = (self._breakaway > 0.0) | (self._breakaway_back > 0.0)
+        for _, coefficient in self._terms:
+            self._kinked |= coefficient > 0.0
         self.none = not (self._kinked.any() or self.viscous.any())
         self._yields = friction.yields
         if self._yields:
@@ -52,10 +55,11 @@ class JointFriction:
 
     def extended(self, front: int, back: int) -> JointFriction:
         """The same for `front` more coordinates before and `back` after the joints', without friction."""
+        around = ((0, 0), (front, back))
         for name, value in vars(self).items():
             if isinstance(value, np.ndarray) and value.ndim == 2:
-                fill = 1.0 if name == "_scale" else 0
-                setattr(self, name, np.pad(value, ((0, 0), (front, back)), constant_values=fill))
+                setattr(self, name, np.pad(value, around, constant_values=1.0 if name == "_scale" else 0))
+        self._terms = [(level, np.pad(coefficient, around)) for level, coefficient in self._terms]
         return self
 
     def levels(self, v: Array) -> tuple[Array, Array]:
@@ -65,6 +69,9 @@ class JointFriction:
         ahead, back = np.empty_like(v), np.empty_like(v)
         stribeck_levels(v, self.coulomb, self._breakaway, self._scale, ahead)
         stribeck_levels(v, self._coulomb_back, self._breakaway_back, self._scale, back)
+        for level, coefficient in self._terms:
+            added = level(coefficient, v)
+            ahead, back = ahead + added, back + added
         return ahead, back
 
     def step(

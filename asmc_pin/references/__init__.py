@@ -2,33 +2,21 @@
 
 from __future__ import annotations
 
-from asmc_pin.references.cartesian import CartesianPath, SolvedPath
-from asmc_pin.references.csv_path import CsvPath
 from asmc_pin.references.feasibility import check_reference, required_torque
-from asmc_pin.references.moves import Quintic, Ramps
-from asmc_pin.references.periodic import Fourier, Multisine
-from asmc_pin.references.reference import Reference
+from asmc_pin.references.reference import REFERENCES, OnAnArm, Reference
+
+# Every file with kinds, in the order of the tables. The import is what registers them.
+# isort: off
+from asmc_pin.references.moves import Quintic as Quintic, Ramps as Ramps
+from asmc_pin.references.periodic import Multisine as Multisine, Fourier as Fourier
+from asmc_pin.references.csv_path import CsvPath as CsvPath
+from asmc_pin.references.cartesian import CartesianPath as CartesianPath, SolvedPath as SolvedPath
+# isort: on
 
 __all__ = [
     "REFERENCES",
-    "CartesianPath",
-    "CsvPath",
-    "Fourier",
-    "Multisine",
-    "Quintic",
-    "Ramps",
+    "OnAnArm",
     "Reference",
-    "SolvedPath",
     "check_reference",
     "required_torque",
 ]
-
-REFERENCES: dict[str, type[Quintic | Multisine | Ramps | Fourier | CsvPath | CartesianPath]] = {
-    "quintic": Quintic,
-    "multisine": Multisine,
-    "ramps": Ramps,
-    "fourier": Fourier,
-    "csv": CsvPath,
-    "cartesian": CartesianPath,
-}
-"""The kinds of reference by the names that experiments use."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
@@ -16,8 +16,8 @@ from asmc_pin.arms import Arm
 from asmc_pin.arms.frame_kinematics import FrameKinematics
 from asmc_pin.controllers.protocol import Setpoint
 from asmc_pin.errors import ParameterError
-from asmc_pin.parameters import Choice, Scalar, Values
-from asmc_pin.references.reference import as_times, held_outside, quintic_blend
+from asmc_pin.parameters import AsGiven, Choice, Scalar, Values
+from asmc_pin.references.reference import as_times, held_outside, quintic_blend, reference_kind
 
 _KNOT = 0.004  # s, at most, between configurations that are solved for; a quintic spline joins them
 _SOLVED = 1e-11  # m and rad
@@ -25,6 +25,7 @@ _ITERATIONS = 60
 _STEP = 0.3  # rad (m), the furthest that one iteration moves a joint
 
 
+@reference_kind("cartesian")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CartesianPath:
     """The origin of a link along straight lines from point to point, at rest in each (10x³ − 15x⁴ + 6x⁵ in between).
@@ -42,12 +43,16 @@ class CartesianPath:
         tolerance: The largest deviation from the path that is allowed between the solved configurations, m and rad.
     """
 
+    motion: ClassVar[str] = "a link along straight lines from point to point, at rest in each"
+
     start: Values = Values("angles at t = 0", "rad", axes=(1,), shape="a list of one per joint")
     points: Values = Values("where each line ends, in the base frame", "m", axes=(1, 2), shape="a list of points")
     move: Values = Values("time of each line", "s", axes=(0, 1), shape="a number or a list of one per line", above=0.0)
-    link: str
+    link: AsGiven = AsGiven("link or frame that is moved", shape="text")
     orientation: Choice = Choice("of the link on its way", ("keep", "free", "given"), default="keep")
-    rpy: Any = None
+    rpy: AsGiven = AsGiven(
+        'roll, pitch, yaw at each point, with orientation = "given"', "rad", shape="a list of points", default=None
+    )
     tolerance: Scalar = Scalar("largest deviation from the path", "m and rad", above=0.0, default=1e-6)
 
     def __post_init__(self) -> None:

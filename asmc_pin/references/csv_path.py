@@ -7,10 +7,9 @@ import io
 import math
 import re
 from array import array
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
@@ -19,8 +18,8 @@ from asmc_pin._typing import Array
 from asmc_pin.controllers.protocol import Setpoint
 from asmc_pin.disk.reading import read_file, shown
 from asmc_pin.errors import ParameterError
-from asmc_pin.parameters import Choice
-from asmc_pin.references.reference import as_times, held_outside
+from asmc_pin.parameters import AsGiven, Choice
+from asmc_pin.references.reference import as_times, held_outside, reference_kind
 from asmc_pin.words.text import as_number, printable
 
 LARGEST = 100_000_000
@@ -32,6 +31,7 @@ _LEAST_STEP = 1e-9  # s; what happens faster has derivatives that overflow
 _DEGREE = {"cubic": 3, "quintic": 5}
 
 
+@reference_kind("csv")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CsvPath:
     """A joint path through the rows of a CSV file, with the header ``t,q1,…,qn`` or ``t`` and the joints' names.
@@ -54,8 +54,10 @@ class CsvPath:
         ParameterError: the file cannot be read, or a row is malformed; the message names the line.
     """
 
-    path: str | Path
-    joints: Sequence[str] | None = None
+    motion: ClassVar[str] = "a spline through the rows of a file"
+
+    path: AsGiven = AsGiven("the file, as seen from the experiment", shape="text")
+    joints: AsGiven = AsGiven("columns to take; all when omitted", shape="a list of names", default=None)
     spline: Choice = Choice("spline through the rows", ("cubic", "quintic"), default="cubic")
     ends: Choice = Choice("how it starts and ends", ("free", "rest"), default="free")
     columns: tuple[str, ...] = field(init=False)

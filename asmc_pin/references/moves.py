@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -11,11 +12,12 @@ from asmc_pin._typing import Array
 from asmc_pin.controllers.protocol import Setpoint
 from asmc_pin.errors import ParameterError
 from asmc_pin.parameters import Values
-from asmc_pin.references.reference import as_times, cosine_blend, quintic_blend
+from asmc_pin.references.reference import as_times, cosine_blend, quintic_blend, reference_kind
 
 Blend = Callable[[Array], tuple[Array, Array, Array]]
 
 
+@reference_kind("quintic")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Quintic:
     """Point-to-point moves that start and end with zero velocity and acceleration, and rest in between ("step-like").
@@ -32,6 +34,8 @@ class Quintic:
     Raises:
         ParameterError: wrong sizes or signs, or a move that starts before the one before it has ended.
     """
+
+    motion: ClassVar[str] = 'moves between targets along 10x³ − 15x⁴ + 6x⁵, at rest in between ("step-like")'
 
     start: Values = Values("angles before the first move", "rad", axes=(1,), shape="a list of one per joint")
     targets: Values = Values("where each move ends", "rad", axes=(1, 2), shape="a list of targets, one value per joint")
@@ -80,6 +84,7 @@ class Quintic:
         return starts, starts + self.move
 
 
+@reference_kind("ramps")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Ramps:
     """Cosine ramps through way-points, at rest in each.
@@ -94,6 +99,8 @@ class Ramps:
     Raises:
         ParameterError: wrong sizes, or times that do not increase.
     """
+
+    motion: ClassVar[str] = "cosine ramps through way-points, at rest in each"
 
     points: Values = Values("way-points", "rad", axes=(2,), shape="a list of way-points, one value per joint")
     times: Values = Values("when each is reached", "s", axes=(1,), shape="a list of one per way-point", at_least=0.0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -12,12 +13,13 @@ from asmc_pin._typing import Array
 from asmc_pin.controllers.protocol import Setpoint
 from asmc_pin.errors import ParameterError
 from asmc_pin.parameters import Scalar, Values
-from asmc_pin.references.reference import as_times, held_outside, quintic_blend
+from asmc_pin.references.reference import as_times, held_outside, quintic_blend, reference_kind
 
 _TERMS = "a list of terms per joint"
 _RISE = "time over which the motion grows from rest"
 
 
+@reference_kind("multisine")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Multisine:
     """q_i = offset_i + w(t) Σ_l amplitude_il sin(2π frequency_il t + phase_il).
@@ -36,6 +38,8 @@ class Multisine:
     Raises:
         ParameterError: wrong sizes or signs.
     """
+
+    motion: ClassVar[str] = "offset + w(t) Σ amplitude sin(2π frequency t + phase)"
 
     offset: Values = Values("mean angle", "rad", axes=(1,), shape="a list of one per joint")
     amplitude: Values = Values("amplitude", "rad", axes=(1, 2), shape=_TERMS)
@@ -70,6 +74,7 @@ class Multisine:
             yield amplitude[:, column], 2.0 * math.pi * frequency[:, column], phase[:, column]
 
 
+@reference_kind("fourier")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fourier:
     """The finite Fourier series by which arms are usually excited (Swevers et al. 1997).
@@ -87,6 +92,8 @@ class Fourier:
     Raises:
         ParameterError: wrong sizes or signs.
     """
+
+    motion: ClassVar[str] = "offset + w(t) Σ_l [a_l/(ωl) sin(ωlt) − b_l/(ωl) cos(ωlt)], ω = 2π base_hz"
 
     offset: Values = Values("mean angle", "rad", axes=(1,), shape="a list of one per joint")
     a: Values = Values("cosine coefficients of the velocity", "rad/s", axes=(2,), shape=_TERMS)

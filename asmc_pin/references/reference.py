@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
 from asmc_pin._typing import Array, BoolArray
 from asmc_pin.controllers.protocol import Setpoint
 from asmc_pin.errors import ParameterError
+from asmc_pin.registering import registering
+
+if TYPE_CHECKING:
+    from asmc_pin.arms import Arm
 
 
 class Reference(Protocol):
@@ -30,6 +34,38 @@ class Reference(Protocol):
         Outside the time for which it is defined it holds the nearest end, with velocity and acceleration 0.
         """
         ...
+
+
+@runtime_checkable
+class OnAnArm(Protocol):
+    """A kind that only an arm can follow, as motions of its tool; `Reference` is what `on` makes of it."""
+
+    start: Array
+
+    def on(self, arm: Arm) -> Reference:
+        """The motion of the joints of this arm."""
+        ...
+
+
+class Kind(Protocol):
+    """A kind of reference, as it is registered: a dataclass of parameters that says what it is.
+
+    Attributes:
+        motion: What it does, in one line for the tables.
+    """
+
+    motion: ClassVar[str]
+
+    @property
+    def nv(self) -> int:
+        """Number of joints."""
+        ...
+
+
+REFERENCES: dict[str, type[Kind]] = {}
+"""The kinds of reference by the names that experiments use; complete in `asmc_pin.references`, which imports them."""
+
+reference_kind = registering(REFERENCES)
 
 
 def as_times(t: Array) -> Array:

@@ -13,7 +13,7 @@ from paths import DOCS
 from asmc_pin.engine import rollout
 from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment import Experiment, experiment_schema, load_experiment
-from asmc_pin.experiment.toml_keys import FrictionTable, PlantTable
+from asmc_pin.experiment.toml_keys import PlantTable
 from asmc_pin.plant import (
     INTEGRATORS,
     Disturbance,
@@ -106,10 +106,6 @@ def test_without_these_keys_the_plant_is_the_ideal_one():
 def test_a_mistake_is_named_by_its_key(plant, said):
     with pytest.raises(ExperimentError, match=said):
         experiment(plant).build_plant()
-
-
-def test_the_table_of_friction_has_the_parameters_of_friction():
-    assert set(FrictionTable.model_fields) == set(Friction().__dataclass_fields__)
 
 
 def test_the_schemes_of_the_file_are_those_that_are_registered():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -13,6 +15,7 @@ from asmc_pin.arms import load_arm
 from asmc_pin.engine import rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.plant import INTEGRATORS, Friction, Plant
+from asmc_pin.plant.friction.friction_parameters import VelocityTerm
 from asmc_pin.plant.friction.presliding import slide_or_bend
 
 MASS = 2.0
@@ -186,8 +189,8 @@ def test_stiff_presliding_comes_to_stick_and_slip(arm):
     [
         ({"coulomb": 2.0, "breakaway": 1.0}, "below coulomb"),
         ({"coulomb": 2.0, "coulomb_backward": 3.0, "breakaway_backward": 2.0}, "below coulomb_backward"),
-        ({"stribeck_velocity": 0.0}, "positive speeds"),
-        ({"presliding": -1.0}, "not negative"),
+        ({"stribeck_velocity": 0.0}, "stribeck_velocity: got 0.0; it must be above 0"),
+        ({"presliding": -1.0}, "presliding: got -1.0; it must be at least 0"),
     ],
 )
 def test_friction_that_cannot_be_is_refused(options, said):
@@ -198,3 +201,31 @@ def test_friction_that_cannot_be_is_refused(options, said):
 def test_a_scheme_that_cannot_carry_presliding_says_so(arm):
     with pytest.raises(ParameterError, match="rk4 cannot carry presliding"):
         Plant(arm, friction=Friction(1.0, presliding=1e3), integrator="rk4")
+
+
+# A term of velocity ---------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Dragged(Friction):
+    """Friction with a drag that grows with the square of the speed, c·v·|v|."""
+
+    drag: VelocityTerm = VelocityTerm("drag", "N·m·s²/rad²", level=lambda c, v: c * v * v)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_a_mass_that_is_pulled_reaches_the_speed_at_which_its_drag_balances_the_pull(arm, integrator):
+    # m v' = F − c v²: v = √(F/c) tanh(√(F c) t/m)
+    moved = run(arm, Dragged(drag=2.0), lambda t: 8.0, 2.0, integrator=integrator)
+    exact = 2.0 * np.tanh(4.0 * np.linspace(0.0, 2.0, 2001) / MASS)
+    assert np.abs(moved.v[0, :, 0] - exact).max() < 2e-3
+    assert exact[-1] == pytest.approx(2.0, rel=1e-2)
+    assert moved.friction_torque[0, -1, 0] == pytest.approx(-2.0 * exact[-1] ** 2, rel=1e-2)
+
+
+def test_a_term_without_a_coefficient_changes_nothing(arm):
+    def torque(t):
+        return 6.0 * np.sin(9.0 * t)
+
+    assert Dragged(1.0).constant
+    np.testing.assert_array_equal(run(arm, Dragged(1.0), torque, 0.5).q, run(arm, Friction(1.0), torque, 0.5).q)

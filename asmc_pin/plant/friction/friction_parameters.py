@@ -2,17 +2,31 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Callable
+from dataclasses import KW_ONLY, dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.errors import ParameterError
-from asmc_pin.plant.per_trial import per_trial, read_only
+from asmc_pin.parameters import PerTrial, parameters_of
+from asmc_pin.plant.per_trial import per_trial
 
 
-@dataclass(frozen=True, eq=False, init=False)
+class VelocityTerm(PerTrial):
+    """A coefficient of a term that adds to friction's level while a joint moves; a field of `Friction`, complete.
+
+    Attributes:
+        level: (coefficient, velocity), both (batch, nv), to what it adds, (batch, nv), N·m (N); not negative, and 0 at
+            velocity 0, so that what a joint needs to break loose stays what `breakaway` says.
+    """
+
+    def __init__(self, meaning: str, unit: str, *, level: Callable[[Array, Array], Array]) -> None:
+        super().__init__(meaning, unit, at_least=0.0, default=0.0)
+        self.level = level
+
+
+@dataclass(frozen=True, eq=False)
 class Friction:
     r"""Coulomb, viscous and Stribeck friction of the joints, with presliding where asked for.
 
@@ -22,7 +36,8 @@ class Friction:
 
     A joint at rest stays at rest, exactly, while the load on it is within ±breakaway: friction is set-valued there, see
     `asmc_pin.plant.friction.compiled_friction`. With ``presliding`` it gives way like a spring before it breaks loose,
-    see `asmc_pin.plant.friction.presliding`. Every value is a scalar, (nv,) or (batch, nv).
+    see `asmc_pin.plant.friction.presliding`. A `VelocityTerm` adds to the level while a joint moves. Every value is a
+    scalar, (nv,) or (batch, nv).
 
     Source: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, "A survey of models, analysis tools and compensation
     methods for the control of machines with friction", Automatica 30(7), 1994, with the Gaussian form.
@@ -41,55 +56,43 @@ class Friction:
         ParameterError: a value is negative, not finite, or of another shape; breakaway is below Coulomb.
     """
 
-    coulomb: Array
-    viscous: Array
-    breakaway: Array
-    stribeck_velocity: Array
-    coulomb_backward: Array
-    breakaway_backward: Array
-    presliding: Array
-    presliding_damping: Array
+    coulomb: PerTrial = PerTrial("Coulomb friction", "N·m (N)", at_least=0.0, default=0.0)
+    viscous: PerTrial = PerTrial("viscous friction", "N·m·s/rad (N·s/m)", at_least=0.0, default=0.0)
+    _: KW_ONLY
+    breakaway: PerTrial = PerTrial(
+        "level at rest; the Coulomb level when omitted", "N·m (N)", at_least=0.0, default=None
+    )
+    stribeck_velocity: PerTrial = PerTrial(
+        "speed over which it falls to the Coulomb level", "rad/s (m/s)", above=0.0, default=0.01
+    )
+    coulomb_backward: PerTrial = PerTrial(
+        "Coulomb friction against motion backwards; the same when omitted", "N·m (N)", at_least=0.0, default=None
+    )
+    breakaway_backward: PerTrial = PerTrial(
+        "level at rest against motion backwards; the same when omitted", "N·m (N)", at_least=0.0, default=None
+    )
+    presliding: PerTrial = PerTrial(
+        "stiffness before breaking loose; rigid when omitted", "N·m/rad (N/m)", at_least=0.0, default=None
+    )
+    presliding_damping: PerTrial = PerTrial("damping of that stiffness", "N·m·s/rad (N·s/m)", at_least=0.0, default=0.0)
 
-    def __init__(
-        self,
-        coulomb: ArrayLike = 0.0,
-        viscous: ArrayLike = 0.0,
-        *,
-        breakaway: ArrayLike | None = None,
-        stribeck_velocity: ArrayLike = 0.01,
-        coulomb_backward: ArrayLike | None = None,
-        breakaway_backward: ArrayLike | None = None,
-        presliding: ArrayLike | None = None,
-        presliding_damping: ArrayLike = 0.0,
-    ) -> None:
-        given = {"coulomb": coulomb, "viscous": viscous, "stribeck_velocity": stribeck_velocity}
-        given |= {"breakaway": coulomb if breakaway is None else breakaway}
-        given |= {"coulomb_backward": coulomb if coulomb_backward is None else coulomb_backward}
-        given |= {"presliding": 0.0 if presliding is None else presliding, "presliding_damping": presliding_damping}
-        if breakaway_backward is None:
-            if breakaway is None:
-                breakaway_backward = given["coulomb_backward"]
-            elif coulomb_backward is None:
-                breakaway_backward = breakaway
-            else:
-                breakaway_backward = np.maximum(
-                    read_only("friction.breakaway", breakaway), read_only("friction.coulomb_backward", coulomb_backward)
-                )
-        given |= {"breakaway_backward": breakaway_backward}
-        for name in _names():
-            value = read_only(f"friction.{name}", given[name])
-            if not np.all(np.isfinite(value) & (value >= 0.0)):
-                raise ParameterError(
-                    f"friction.{name}", f"{value.tolist()} given; every value has to be finite and not negative"
-                )
-            object.__setattr__(self, name, value)
-        self._check_levels()
-
-    def _check_levels(self) -> None:
-        if not np.all(self.stribeck_velocity > 0.0):
-            raise ParameterError(
-                "friction.stribeck_velocity", f"{self.stribeck_velocity.tolist()} given; expected positive speeds"
-            )
+    def __post_init__(self) -> None:
+        """Fill in what was omitted, and check what depends on several parameters."""
+        coulomb, breakaway = self.coulomb, self.breakaway
+        one_way = self.coulomb_backward is None
+        filled = {
+            "breakaway": coulomb,
+            "coulomb_backward": coulomb,
+            "breakaway_backward": (coulomb if one_way else self.coulomb_backward)
+            if breakaway is None
+            else breakaway
+            if one_way
+            else np.maximum(breakaway, self.coulomb_backward),
+            "presliding": 0.0,
+        }
+        for name, value in filled.items():
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, value)
         for end in ("", "_backward"):
             least, level = getattr(self, f"coulomb{end}"), getattr(self, f"breakaway{end}")
             try:
@@ -98,19 +101,24 @@ class Friction:
                 continue  # of different sizes; `spread` says for which joints
             if np.any(below):
                 raise ParameterError(
-                    f"friction.breakaway{end}",
-                    f"{level.tolist()} given; it must not be below coulomb{end}, {least.tolist()}",
+                    f"breakaway{end}", f"{level.tolist()} given; it must not be below coulomb{end}, {least.tolist()}"
                 )
 
     @property
     def constant(self) -> bool:
         """Whether the levels are those of Coulomb friction, the same in both directions."""
-        return all(x is self.coulomb or np.array_equal(x, self.coulomb) for x in self._levels)
+        return not self.terms and all(np.array_equal(x, self.coulomb) for x in self._levels)
 
     @property
     def yields(self) -> bool:
         """Whether a joint gives way before it breaks loose."""
         return bool(np.any(self.presliding > 0.0))
+
+    @property
+    def terms(self) -> dict[str, VelocityTerm]:
+        """The terms of the level that are there beyond Coulomb and Stribeck, by the names of their fields."""
+        own = parameters_of(type(self)).items()
+        return {k: item for k, item in own if isinstance(item, VelocityTerm) and np.any(getattr(self, k) > 0.0)}
 
     @property
     def _levels(self) -> tuple[Array, Array, Array]:
@@ -130,17 +138,12 @@ class Friction:
         Raises:
             ParameterError: one is not.
         """
-        for name in _names():
+        for name in parameters_of(type(self)):
             value = getattr(self, name)
             per_trial(f"friction.{name}", value, len(value) if value.ndim == 2 else 1, nv)
 
     def scaled(self, factor: Array) -> Friction:
         """Friction with every torque (levels and coefficients) multiplied by factors, (batch, nv)."""
-        return Friction(
-            **{name: getattr(self, name) * (1.0 if name == "stribeck_velocity" else factor) for name in _names()}
-        )
-
-
-def _names() -> tuple[str, ...]:
-    """What a joint's friction is made of."""
-    return tuple(item.name for item in fields(Friction))
+        kept = ("stribeck_velocity",)
+        own = {name: getattr(self, name) for name in parameters_of(type(self))}
+        return replace(self, **{name: value * factor for name, value in own.items() if name not in kept})

@@ -12,7 +12,7 @@ from asmc_pin.arms import Arm
 from asmc_pin.arms.frame_kinematics import FrameKinematics
 from asmc_pin.arms.payload import Payload, as_payload
 from asmc_pin.errors import ParameterError
-from asmc_pin.parameters import Choice, OptionalPerJoint, OptionalScalar, Scalar, Values
+from asmc_pin.parameters import AsGiven, Choice, OptionalPerJoint, OptionalScalar, Scalar, Values
 from asmc_pin.plant.per_trial import sized
 
 _ZERO: Any = (0.0, 0.0, 0.0)
@@ -32,7 +32,7 @@ class Disturbance:
 
     profile: Choice = Choice("how it goes in time", PROFILES)
     torque: OptionalPerJoint = OptionalPerJoint("amplitude at the joints", "N·m (N)")
-    link: str | None = None
+    link: AsGiven = AsGiven("link or frame that a wrench acts on", shape="text", default=None)
     force: Values = Values(
         "amplitude of a force at the link's origin", "N", axes=(1,), shape="3 numbers", default=_ZERO
     )
@@ -90,7 +90,12 @@ class PayloadChange:
     """
 
     time: Scalar = Scalar("when", "s", at_least=0.0)
-    payload: Any = None
+    payload: AsGiven = AsGiven(
+        "what is carried from then on, as in `[arm]`; nothing when omitted",
+        "kg",
+        shape="a mass or a table",
+        default=None,
+    )
 
     def __post_init__(self) -> None:
         """Read the payload."""
