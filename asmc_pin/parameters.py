@@ -65,6 +65,11 @@ class Parameter(Generic[Value, Given]):
         """The value as kept, or a `ParameterError`."""
         raise NotImplementedError
 
+    @property
+    def takes(self) -> str:
+        """What may be given, in a few words for a table; its unit stands beside it."""
+        return ""
+
 
 class _Number:
     """Bounds of a number, and how they are said."""
@@ -74,6 +79,7 @@ class _Number:
         self.at_least = at_least
         bounds = [f"{word} {x:g}" for word, x in (("above", above), ("at least", at_least)) if x is not None]
         self.text = f"{' and '.join(bounds) or 'finite'} {unit}".strip()
+        self.words = "".join(f", {bound}" for bound in bounds)
 
     def ok(self, values: Array) -> BoolArray:
         low = values > (-np.inf if self.above is None else self.above)
@@ -115,6 +121,11 @@ class Scalar(Parameter[float, float]):
             raise ParameterError(self.name, f"got {float(number)!r}; it must be {self.bound.text}")
         return float(number)
 
+    @property
+    def takes(self) -> str:
+        """What may be given, in a few words."""
+        return f"a number{self.bound.words}"
+
 
 class OptionalScalar(Parameter["float | None", "float | None"]):
     """One number, or None."""
@@ -129,6 +140,11 @@ class OptionalScalar(Parameter["float | None", "float | None"]):
         """None, or a finite float within the bound."""
         self._scalar.name = self.name
         return None if value is None else self._scalar.convert(value)
+
+    @property
+    def takes(self) -> str:
+        """What may be given, in a few words."""
+        return self._scalar.takes
 
 
 class AsGiven(Parameter[Any, Any]):
@@ -145,6 +161,11 @@ class AsGiven(Parameter[Any, Any]):
     def convert(self, value: Any) -> Any:
         """The value."""
         return value
+
+    @property
+    def takes(self) -> str:
+        """What may be given, in a few words."""
+        return self.shape
 
 
 class Values(Parameter[Array, Any]):
@@ -187,6 +208,11 @@ class Values(Parameter[Array, Any]):
         array.setflags(write=False)
         return array
 
+    @property
+    def takes(self) -> str:
+        """What may be given, in a few words."""
+        return f"{self.shape}{self.bound.words}"
+
 
 class PerJoint(Values):
     """A scalar for all joints, or one value for each; kept with shape () or (nv,)."""
@@ -209,6 +235,11 @@ class PerJoint(Values):
             at_least=at_least,
             default=default,
         )
+
+    @property
+    def takes(self) -> str:
+        """What may be given, in a few words."""
+        return f"per joint{self.bound.words}"
 
 
 class PerTrial(PerJoint):
@@ -264,6 +295,11 @@ class Choice(Parameter[str, str]):
         near = difflib.get_close_matches(str(value), self.options, n=1)
         hint = f"; did you mean {near[0]!r}?" if near else ""
         raise ParameterError(self.name, f"got {value!r}; expected one of {', '.join(map(repr, self.options))}{hint}")
+
+    @property
+    def takes(self) -> str:
+        """What may be given, in a few words."""
+        return ", ".join(f'"{option}"' for option in self.options)
 
 
 def parameters_of(cls: type) -> dict[str, Parameter[Any, Any]]:

@@ -1,64 +1,66 @@
-"""Rewrite the generated tables of README.md; with --check, say whether they are fresh.
+"""Rewrite what README.md, CONTRIBUTING.md and docs/ derive from the code; with --check, say whether it is fresh.
 
-A table stands between ``<!-- begin NAME -->`` and ``<!-- end NAME -->``; the text around it is written by hand.
+What is derived stands between ``<!-- begin NAME -->`` and ``<!-- end NAME -->``, NAME as in `derived_parts.PARTS`; the
+text around it is written by hand. Files that are derived as a whole stand in `WHOLE`.
 """
 
 from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from derived_parts import PARTS
+
 from asmc_pin.disk.files import write_whole
-from asmc_pin.words.media import for_cell
+from asmc_pin.experiment import experiment_schema_text
 
-README = Path(__file__).resolve().parent.parent / "README.md"
-
-
-def _table(header: list[str], rows: list[list[str]]) -> str:
-    lines = [map(for_cell, header), ["---"] * len(header), *([for_cell(str(cell)) for cell in row] for row in rows)]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+ROOT = Path(__file__).resolve().parent.parent
+WHOLE: dict[str, Callable[[], str]] = {"experiments/experiment.schema.json": experiment_schema_text}
+_PART = re.compile(r"(<!-- begin ([\w-]+) -->\n).*?(<!-- end \2 -->)", re.DOTALL)
 
 
-def arms() -> str:
-    """One row per named arm."""
-    from asmc_pin.cli.commands.listing_commands import arm_rows
-
-    return _table(*arm_rows())
+def pages() -> list[Path]:
+    """Every page in which a part may stand."""
+    return sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 
 
-def controllers() -> str:
-    """One row per control law."""
-    from asmc_pin.cli.commands.listing_commands import controller_rows
-
-    return _table(*controller_rows())
-
-
-def metrics() -> str:
-    """One row per metric."""
-    from asmc_pin.cli.commands.listing_commands import metric_rows
-
-    return _table(*metric_rows())
-
-
-TABLES: dict[str, Callable[[], str]] = {"arms": arms, "controllers": controllers, "metrics": metrics}
+def parts_of(text: str) -> list[str]:
+    """Names of the parts in a page; a beginning without its end is an error."""
+    found = [match[2] for match in _PART.finditer(text)]
+    begun = re.findall(r"<!-- (?:begin|end) ([\w-]+) -->", text)
+    if sorted(begun) != sorted(found * 2):
+        raise SystemExit(f"a part has a beginning or an end alone: {', '.join(sorted(set(begun)))}")
+    return found
 
 
 def rendered(text: str) -> str:
-    """The README's text with every table made anew."""
-    for name, make in TABLES.items():
-        pattern = re.compile(rf"(<!-- begin {name} -->\n).*?(<!-- end {name} -->)", re.DOTALL)
-        if not pattern.search(text):
-            raise SystemExit(f"README.md has no place for the table '{name}'")
-        table = make()
-        text = pattern.sub(lambda match, table=table: match[1] + table + "\n" + match[2], text)
-    return text
+    """A page with every part made anew."""
+    for name in parts_of(text):
+        if name not in PARTS:
+            raise SystemExit(f"there is no part '{name}'; known are {', '.join(PARTS)}")
+    return _PART.sub(lambda match: match[1] + PARTS[match[2]]() + "\n" + match[3], text)
+
+
+def everything() -> Iterator[tuple[Path, str]]:
+    """Every derived file and its text as it should be."""
+    for path in pages():
+        text = path.read_text(encoding="utf-8")
+        if parts_of(text):
+            yield path, rendered(text)
+    for name, make in WHOLE.items():
+        yield ROOT / name, make()
+
+
+def stale() -> list[Path]:
+    """The derived files that are not as they should be."""
+    return [path for path, text in everything() if not path.is_file() or path.read_text(encoding="utf-8") != text]
 
 
 if __name__ == "__main__":
-    old = README.read_text(encoding="utf-8")
-    new = rendered(old)
     if "--check" in sys.argv:
-        sys.exit(0 if new == old else "README.md is stale: run make docs")
-    write_whole(README, new)
+        names = [str(path.relative_to(ROOT)) for path in stale()]
+        sys.exit(f"run make docs; stale: {', '.join(names)}" if names else 0)
+    for path, text in everything():
+        write_whole(path, text)

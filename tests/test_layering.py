@@ -6,14 +6,29 @@ A new part of the package needs a row in MAY_IMPORT, which says where in the flo
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import pytest
-from paths import REPOSITORY
+from import_graph import (
+    OPEN,
+    circles,
+    docstring,
+    file_graph,
+    folders,
+    imports,
+    imports_of,
+    layers,
+    reduced,
+    room_graph,
+    sources,
+)
+from import_graph import PACKAGE as ROOT
 
-ROOT = REPOSITORY / "asmc_pin"
+import asmc_pin
 
 # Part -> parts that it may import. A part may only name parts above its own row, so that there is no way back.
 # What stands in OPEN is open to all. Of the controllers the plant knows what it exchanges with them, and s
@@ -23,6 +38,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "errors": set(),
     "lazy": set(),
     "clock": set(),
+    "registering": set(),
     "words": set(),
     "disk": set(),
     "parameters": set(),
@@ -72,7 +88,6 @@ MAY_IMPORT: dict[str, set[str]] = {
         "viewer",
     },
 }
-OPEN = {"_typing", "errors", "words", "disk", "lazy", "clock"}
 EVERYTHING = {*MAY_IMPORT, "package"}
 MAY_IMPORT["study"] = EVERYTHING
 MAY_IMPORT["reproduction"] = EVERYTHING | {"study"}
@@ -100,46 +115,11 @@ HOME = {
 }
 
 
-def imports(source: str, module: str, is_package: bool) -> set[str]:
-    """Every module that the source names in an import, absolute; wherever the import stands, `TYPE_CHECKING` included.
-
-    ``from a import b`` counts as a.b, be b a module or not. ``import_module("a")`` counts as well.
-    """
-    found: set[str] = set()
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            base = node.module or ""
-            if node.level:
-                package = module.split(".")[: None if is_package else -1]
-                package = package[: len(package) - node.level + 1]
-                base = ".".join([*package, *([base] if base else [])])
-            found |= {f"{base}.{alias.name}" for alias in node.names}
-        elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
-            name = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
-            if name in ("import_module", "__import__"):
-                found.add(str(node.args[0].value))
-    return found
-
-
 def part_of(module: str) -> str:
     """The part of asmc_pin that a module or a name within it belongs to; `package` for names of asmc_pin itself."""
     names = module.split(".")
     known = len(names) > 1 and ((ROOT / names[1]).is_dir() or (ROOT / f"{names[1]}.py").is_file())
     return names[1] if known else "package"
-
-
-def sources() -> list[tuple[str, Path]]:
-    modules = []
-    for path in sorted(ROOT.rglob("*.py")):
-        names = ["asmc_pin", *path.relative_to(ROOT).with_suffix("").parts]
-        modules.append((".".join(names[:-1] if names[-1] == "__init__" else names), path))
-    return modules
-
-
-def imports_of(module: str, path: Path) -> set[str]:
-    return imports(path.read_text(encoding="utf-8"), module, path.name == "__init__.py")
 
 
 def is_allowed(target: str, part: str) -> bool:
@@ -151,7 +131,7 @@ def is_allowed(target: str, part: str) -> bool:
 
 
 def test_every_part_has_its_place_in_the_flow() -> None:
-    parts = {part_of(module) for module, _ in sources()}
+    parts = {part_of(module) for module in sources()}
     assert parts <= set(MAY_IMPORT), f"give {sorted(parts - set(MAY_IMPORT))} a row in MAY_IMPORT of {__file__}"
 
 
@@ -168,9 +148,9 @@ def test_the_flow_has_no_way_back() -> None:
 def test_a_part_imports_only_from_the_parts_before_it(part: str) -> None:
     wrong = [
         f"{path.relative_to(ROOT.parent)} imports {target}"
-        for module, path in sources()
+        for module, path in sources().items()
         if part_of(module) == part
-        for target in sorted(imports_of(module, path))
+        for target in sorted(imports_of(module))
         if target.split(".")[0] == "asmc_pin" and not is_allowed(target, part)
     ]
     assert not wrong
@@ -185,9 +165,9 @@ def test_the_checker_of_certificates_shares_nothing_with_the_prover_but_the_file
     )
     seen = {
         target
-        for module, path in sources()
+        for module, path in sources().items()
         if f"{module}.".startswith(f"{own}.")
-        for target in imports_of(module, path)
+        for target in imports_of(module)
         if target.split(".")[0] in ("asmc_pin", "pinocchio", "numba", "scipy", "cvxpy")
     }
     wrong = {target for target in seen if not any(f"{target}.".startswith(f"{name}.") for name in (own, *shared))}
@@ -198,12 +178,12 @@ def test_the_checker_of_certificates_shares_nothing_with_the_prover_but_the_file
 
 def test_balls_know_nothing_of_the_bounds_of_boxes() -> None:
     own = "asmc_pin.condition.checker.balls"
-    modules = [(module, path) for module, path in sources() if f"{module}.".startswith(f"{own}.")]
+    modules = [(module, path) for module, path in sources().items() if f"{module}.".startswith(f"{own}.")]
     assert len(modules) > 2
     wrong = [
         f"{module} imports {target}"
         for module, path in modules
-        for target in imports_of(module, path)
+        for target in imports_of(module)
         if f"{target}.".startswith("asmc_pin.condition.checker.boxes.")
     ]
     assert not wrong
@@ -211,12 +191,12 @@ def test_balls_know_nothing_of_the_bounds_of_boxes() -> None:
 
 def test_control_laws_see_numpy_and_nothing_of_the_arm() -> None:
     allowed = (sys.stdlib_module_names - {"importlib", "ctypes", "subprocess", "socket"}) | {"numpy"}
-    own = ("asmc_pin.errors", "asmc_pin._typing", "asmc_pin.parameters", "asmc_pin.controllers")
+    own = ("asmc_pin.errors", "asmc_pin._typing", "asmc_pin.parameters", "asmc_pin.registering", "asmc_pin.controllers")
     wrong = [
         f"{path.name} imports {target}"
-        for module, path in sources()
+        for module, path in sources().items()
         if part_of(module) == "controllers"
-        for target in imports_of(module, path)
+        for target in imports_of(module)
         if target.split(".")[0] not in allowed and not any(f"{target}.".startswith(f"{name}.") for name in own)
     ]
     assert not wrong
@@ -230,13 +210,12 @@ def has_a_law(path: Path) -> bool:
 
 
 def test_of_all_laws_only_those_named_here_may_see_an_arm() -> None:
-    laws = {module for module, path in sources() if has_a_law(path)}
+    laws = {module for module, path in sources().items() if has_a_law(path)}
     assert laws >= {"asmc_pin.controllers.baek2016", *KNOW_THE_MODEL}
     seeing = {
         module
-        for module, path in sources()
-        if module in laws
-        and any(part_of(target) in ("arms", "baselines", "plant") for target in imports_of(module, path))
+        for module, path in sources().items()
+        if module in laws and any(part_of(target) in ("arms", "baselines", "plant") for target in imports_of(module))
     }
     assert seeing == KNOW_THE_MODEL
 
@@ -245,8 +224,8 @@ def test_of_all_laws_only_those_named_here_may_see_an_arm() -> None:
 def test_a_library_is_imported_only_where_it_is_at_home(library: str) -> None:
     wrong = [
         f"{path.relative_to(ROOT.parent)} imports {target}"
-        for module, path in sources()
-        for target in imports_of(module, path)
+        for module, path in sources().items()
+        for target in imports_of(module)
         if target.split(".")[0] == library and part_of(module) not in HOME[library]
     ]
     assert not wrong
@@ -257,6 +236,59 @@ def test_a_law_runs_in_a_process_that_never_loads_the_arm() -> None:
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert "numpy" in loaded
     assert not {"pinocchio", "scipy", "numba", "yourdfpy", "pandas", "typer"} & set(loaded)
+
+
+# The rooms as they stand on disk --------------------------------------------------------------------------------------
+
+MOST_FILES = 16
+
+
+def test_no_files_import_each_other_in_a_circle() -> None:
+    graph = file_graph()
+    assert len(graph) > 200
+    assert not circles(graph)
+    assert not circles(room_graph())
+
+
+def test_no_folder_has_more_files_than_one_can_overlook() -> None:
+    assert not {folder: count for folder, count in folders() if count > MOST_FILES}
+
+
+def test_every_room_says_what_comes_in_and_what_goes_out() -> None:
+    for folder, count in folders():
+        if count and folder not in ("asmc_pin", "asmc_pin/cli/commands"):
+            told = " ".join(docstring(folder.replace("/", ".")))
+            assert re.search(r"\b[Ii]n comes? .*\bout (go|goes|come|comes) ", told), folder
+
+
+def test_no_two_files_have_one_name() -> None:
+    names = Counter(path.name for path in sources().values() if path.name != "__init__.py")
+    assert not {name for name, count in names.items() if count > 1}
+
+
+def test_no_file_has_the_name_of_a_public_function_or_class() -> None:
+    for package in (name for name, path in sources().items() if path.name == "__init__.py"):
+        modules = {name.rpartition(".")[2] for name in sources() if name.rpartition(".")[0] == package}
+        assert not modules & {target.rpartition(".")[2] for target in imports_of(package) if target not in sources()}
+    assert not {name.rpartition(".")[2] for name in sources() if "." in name} & set(asmc_pin.__all__)
+
+
+@pytest.mark.parametrize(
+    ("graph", "found"),
+    [
+        ({"a": ["b"], "b": ["c"], "c": []}, []),
+        ({"a": ["b"], "b": ["a"], "c": ["a"]}, [["a", "b"]]),
+        ({"a": ["b"], "b": ["c"], "c": ["a", "d"], "d": ["e"], "e": ["d"]}, [["d", "e"], ["a", "b", "c"]]),
+    ],
+)
+def test_a_circle_is_seen(graph: dict[str, list[str]], found: list[list[str]]) -> None:
+    assert circles(graph) == found
+
+
+def test_an_arrow_that_a_longer_way_makes_plain_is_left_out() -> None:
+    graph = {"a": ["b", "c", "d"], "b": ["c"], "c": [], "d": []}
+    assert reduced(graph) == {"a": {"b", "d"}, "b": {"c"}, "c": set(), "d": set()}
+    assert layers(graph) == [["c", "d"], ["b"], ["a"]]
 
 
 # That the reading above can fail -------------------------------------------------------------------------------------

@@ -1,4 +1,8 @@
-"""An arm against an independent engine: MuJoCo reads the same URDF, and has to say the same (docs/agreement.md)."""
+"""An arm against an independent engine: MuJoCo reads the same URDF, and has to say the same (docs/agreement.md).
+
+In comes an arm, out goes how far the two engines differ, and where. May import `arms`, `controllers`, `plant` and the
+engine.
+"""
 
 from __future__ import annotations
 

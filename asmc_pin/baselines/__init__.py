@@ -1,6 +1,7 @@
 """Laws that know the model, to compare with: a family of its own, marked as such wherever they appear.
 
-They are the only laws that may see an arm; `asmc_pin.controllers` may not.
+In come an arm, samples and set points, out goes torque. They are the only laws that may see an arm; may import `arms`,
+`controllers` and `parameters`.
 """
 
 from __future__ import annotations

@@ -126,11 +126,15 @@ class ArmTable(Table):
 
     source: str = Field(min_length=1, description="name of an arm, or path of a URDF (relative to this file)")
     payload: Annotated[PayloadTable | None, BeforeValidator(_payload)] = Field(
-        default=None, description="kg, as a point mass at the last moving link; or a table"
+        default=None,
+        description="kg, as a point mass at the last moving link; or a table `mass`, `com`, `inertia`, `link`",
     )
     armature: Annotated[
         float | list[float] | dict[str, float] | None, BeforeValidator(_armature), WithJsonSchema(_ARMATURE_SCHEMA)
-    ] = Field(default=None, description="reflected rotor inertia, kg·m² (kg for a prismatic joint)")
+    ] = Field(
+        default=None,
+        description="reflected rotor inertia, kg·m² (kg): per joint, or joint = value; else the arm's own",
+    )
     lock: Annotated[dict[str, Any] | None, BeforeValidator(_lock), WithJsonSchema(_LOCK_SCHEMA)] = Field(
         default=None, description='joints to fix: name = angle, rad (m); "free" frees one that is locked by default'
     )
@@ -155,7 +159,7 @@ class PlantTable(Table):
         default="holding", description="torque before t = 0: balances gravity at q(0), or is zero"
     )
     integrator: Literal["semi_implicit", "midpoint", "rk4"] = Field(
-        default="semi_implicit", description="scheme between the control ticks, see docs/plant.md"
+        default="semi_implicit", description="scheme between the control ticks"
     )
     friction: dict[str, Any] | None = Field(default=None, description="joint friction; the URDF's when omitted")
     effort_limit: LimitPerJoint | None = Field(
@@ -217,7 +221,11 @@ class ExperimentTables(Table):
         json_schema_extra={"exclusiveMaximum": LONGEST_PERIOD},
     )
     duration: float = Field(gt=0.0, description="length of the run, s")
-    seed: int = Field(default=0, ge=0, description="seed of everything random")
+    seed: int = Field(
+        default=0,
+        ge=0,
+        description="seed of everything random: noise and scatter of a trial follow from it and the trial's number",
+    )
     plant: PlantTable = Field(default_factory=PlantTable, description="the simulated world")
     metrics: MetricsTable = Field(default_factory=MetricsTable, description="settings of the metrics")
     reference: dict[str, Any] = Field(description="the motion to follow: kind, and the parameters of that kind")

@@ -1,4 +1,8 @@
-"""Ground truth: Pinocchio's dynamics with friction, drives, sensors and a world, for a batch of trials in lockstep."""
+"""Ground truth: Pinocchio's dynamics with friction, drives, sensors and a world, for a batch of trials in lockstep.
+
+In come torques at control ticks, out go motion and samples. May import `arms`, `rigid_body`, `parameters`, and of the
+controllers what it exchanges with them.
+"""
 
 from __future__ import annotations
 

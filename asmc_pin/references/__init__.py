@@ -1,4 +1,8 @@
-"""Trajectories to follow: position, velocity and acceleration in closed form, in rad, rad/s and rad/s²."""
+"""Trajectories to follow: position, velocity and acceleration in closed form, in rad, rad/s and rad/s².
+
+In come parameters, or a file, and times, out go set points. May import `arms`, `parameters`, and of the controllers
+what a set point is.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Motion in the browser: Meshcat scenes in one page that opens offline, or is served to this machine alone."""
+"""Motion in the browser: Meshcat scenes in one page that opens offline, or is served to this machine alone.
+
+In come an arm and recorded motions, out go pages. May import `arms`, `experiment`, `metrics` and `results`; steps no
+dynamics.
+"""
 
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.viewer.drawing.drawn_bodies import DrawnArm, draw

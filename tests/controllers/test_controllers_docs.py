@@ -57,10 +57,8 @@ def test_every_law_and_every_parameter_is_documented() -> None:
 
 
 def test_every_kind_of_reference_and_every_parameter_is_documented() -> None:
-    rows = dict(
-        re.findall(r"^\| `(\w+)` \|(.*)\|$", (DOCS / "references.md").read_text(encoding="utf-8"), re.MULTILINE)
-    )
-    assert list(rows) == list(REFERENCES)
+    text = (DOCS / "references.md").read_text(encoding="utf-8")
     for kind, cls in REFERENCES.items():
         for name in inspect.signature(cls).parameters:
-            assert f"`{name}`" in rows[kind], f"{kind}: {name} is not explained"
+            (meaning,) = re.findall(rf"^\| `{kind}` \| `{name}` \| (.*?) \|", text, re.MULTILINE)
+            assert meaning, f"{kind}: {name} is not explained"

@@ -1,32 +1,53 @@
-"""The README says what the code does."""
+"""The documentation says what the code does: what is derived is fresh, examples run, names and links are right."""
 
-import importlib.util
 import re
 import tomllib
 
+import generate
 import pytest
+from derived_parts import PARTS
 from paths import REPOSITORY
+
+from asmc_pin.experiment import experiment_names
 
 ROOT = REPOSITORY
 
 
-def _generator():
-    spec = importlib.util.spec_from_file_location("generate", ROOT / "docs" / "generate.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def test_everything_that_is_derived_is_fresh():
+    assert not generate.stale(), "run make docs"
 
 
-def test_the_generated_tables_are_fresh():
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert _generator().rendered(text) == text, "run make docs"
+@pytest.mark.parametrize("path", [path for path in generate.pages() if generate.parts_of(path.read_text("utf-8"))])
+def test_a_stale_part_is_noticed(path):
+    text = path.read_text(encoding="utf-8")
+    for name in generate.parts_of(text):
+        stale = re.sub(rf"(<!-- begin {name} -->\n.*?)\w", r"\1#", text, count=1, flags=re.DOTALL)
+        assert stale != text
+        assert generate.rendered(stale) == text
 
 
-def test_a_stale_table_is_noticed():
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    stale = text.replace("| ur5 |", "| ur55 |")
-    assert stale != text
-    assert _generator().rendered(stale) == text
+def test_every_part_stands_somewhere():
+    shown = [name for path in generate.pages() for name in generate.parts_of(path.read_text(encoding="utf-8"))]
+    assert sorted(set(shown)) == sorted(PARTS)
+
+
+@pytest.mark.parametrize(
+    "text", ["<!-- begin arms -->\n", "<!-- end arms -->", "<!-- begin arms -->\n<!-- end metrics -->"]
+)
+def test_a_part_that_does_not_end_is_an_error(text):
+    with pytest.raises(SystemExit, match="alone"):
+        generate.rendered(text)
+
+
+def test_a_part_that_nobody_makes_is_an_error():
+    with pytest.raises(SystemExit, match="there is no part 'amrs'"):
+        generate.rendered("<!-- begin amrs -->\n<!-- end amrs -->")
+
+
+def test_every_shipped_experiment_is_explained():
+    text = (ROOT / "docs" / "experiments.md").read_text(encoding="utf-8")
+    for name in experiment_names():
+        assert f"`{name}`" in text or (name.endswith("_reconciled") and "`baek2016_…_reconciled`" in text), name
 
 
 @pytest.mark.parametrize("path", sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")]), ids=lambda p: p.name)
