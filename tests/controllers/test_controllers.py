@@ -420,12 +420,6 @@ def test_parameters_are_copied_read_only_and_survive_pickling(name: str) -> None
 
 # Wrong parameters ----------------------------------------------------------------------------------------------------
 
-GOOD = {
-    "ppc": {},
-    "bsmc": {"gain": 1.0, "boundary": 0.1},
-    "plestan2010": {"rate": 1.0, "epsilon": 0.1, "floor": 0.1},
-    "baek2016": {"phi": 1.0, "alpha": 1.0, "epsilon": 0.1},
-}
 WRONG = [
     ("ppc", "mbar", [0.1, -0.2], r"mbar: entry 2 is -0.2; each must be above 0 kg·m²"),
     ("ppc", "mbar", [0.1, 0.0], r"entry 2 is 0.0; each must be above 0"),
@@ -459,7 +453,7 @@ WRONG = [
 @pytest.mark.parametrize(("name", "parameter", "value", "message"), WRONG)
 def test_wrong_parameters_are_refused_by_name(name: str, parameter: str, value: object, message: str) -> None:
     with pytest.raises(ParameterError, match=message) as caught:
-        CONTROLLERS[name](**(SHARED | GOOD[name] | {parameter: value}))
+        built(name, 2, **{parameter: value})
     assert caught.value.parameter == parameter
 
 

@@ -42,15 +42,8 @@ class Friction:
     Source: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, "A survey of models, analysis tools and compensation
     methods for the control of machines with friction", Automatica 30(7), 1994, with the Gaussian form.
 
-    Attributes:
-        coulomb: Coulomb level, N·m (N for prismatic joints).
-        viscous: Viscous coefficient, N·m·s/rad (N·s/m).
-        breakaway: Level at rest, not below `coulomb`, N·m; the Coulomb level when omitted.
-        stribeck_velocity: Speed at which 1/e of the difference is left, rad/s (m/s).
-        coulomb_backward: Coulomb level against motion backwards, N·m; `coulomb` when omitted.
-        breakaway_backward: The same for breakaway; `breakaway` when omitted, but not below `coulomb_backward`.
-        presliding: Stiffness before breaking loose, N·m/rad (N/m); None, or 0 in a joint, for none.
-        presliding_damping: Damping of that spring, N·m·s/rad (N·s/m).
+    What is omitted: `breakaway` and `coulomb_backward` are `coulomb`; `breakaway_backward` is `breakaway`, but not
+    below `coulomb_backward`; `presliding` None, or 0 in a joint, is none.
 
     Raises:
         ParameterError: a value is negative, not finite, or of another shape; breakaway is below Coulomb.
