@@ -68,6 +68,17 @@ def test_the_python_example_runs(tmp_path, monkeypatch):
     assert set(namespace["comparison"].rows["controller"]) == {"PPC", "BSMC", "Existing", "Proposed"}
 
 
+def test_every_dependency_says_what_it_is_for():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    wanted = [
+        *project["dependencies"],
+        *(item for extra in project["optional-dependencies"].values() for item in extra),
+    ]
+    names = {re.match(r"[\w-]+", item)[0] for item in wanted}
+    rows = re.findall(r"^\| (.*?) \|", (ROOT / "docs" / "dependencies.md").read_text(encoding="utf-8"), re.MULTILINE)
+    assert names <= {word for row in rows for word in re.findall(r"[\w-]+", row)}
+
+
 def test_the_version_is_one_and_has_its_section_in_the_changelog():
     version = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
     assert f"\nversion: {version}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")

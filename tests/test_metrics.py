@@ -7,6 +7,7 @@ from paths import DOCS
 from asmc_pin.engine import Rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.metrics import METRICS, QUANTITIES, MetricSettings, evaluate
+from asmc_pin.words.media import for_cell
 
 PAGE = DOCS / "metrics.md"
 L = 0.001
@@ -164,6 +165,5 @@ def test_every_metric_is_defined_in_the_docs_with_unit_and_source(metric):
     text = PAGE.read_text(encoding="utf-8")
     assert metric.quantity in QUANTITIES
     row = next(line for line in text.splitlines() if line.startswith(f"| `{metric.name}` |"))
-    assert metric.formula.replace("|", r"\|") in row
-    assert metric.source.replace("|", r"\|") in row  # a bare | would end the cell
+    assert f"| {for_cell(metric.formula)} | {for_cell(metric.source)} |" in row
     assert f"| {metric.unit} |" in row

@@ -1,7 +1,8 @@
 """The JSON Schema of an experiment file, for editors that complete and check as one types.
 
 Editors that read TOML with a schema (Taplo, Even Better TOML) find it by the first line of the shipped files,
-``#:schema experiment.schema.json``. It is made from the same classes as the checks, and kept fresh by a test.
+``#:schema experiment.schema.json``. `make docs` writes it from the same classes as the checks; a test says whether it
+is fresh.
 """
 
 from __future__ import annotations
