@@ -254,11 +254,8 @@ def rooms_picture() -> str:
     """The rooms and their imports as a graph that Mermaid draws."""
     graph = room_graph()
     assert not circles(graph), circles(graph)
-    lines = ["```mermaid", "flowchart BT"]
-    for row, rooms in enumerate(layers(graph)):
-        lines += [f"  subgraph layer{row} [ ]", "    direction LR"]
-        lines += [f'    {room}["{_label(room)}"]' for room in rooms]
-        lines += ["  end"]
+    lines = ["```mermaid", "flowchart TB"]
+    lines += [f'  {room}["{_label(room)}"]' for row in reversed(layers(graph)) for room in row]
     lines += [f"  {room} --> {other}" for room, others in sorted(reduced(graph).items()) for other in sorted(others)]
     return "\n".join([*lines, "```"])
 
