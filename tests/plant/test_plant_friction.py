@@ -134,11 +134,14 @@ def test_a_mass_matrix_that_is_not_positive_definite_spoils_its_own_trial_only()
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ({"coulomb": -1.0}, "not negative"),
-        ({"viscous": [0.1, np.nan]}, "finite"),
-        ({"coulomb": np.inf}, "finite"),
+        ({"coulomb": -1.0}, "coulomb: got -1.0; it must be at least 0"),
+        ({"viscous": [0.1, np.nan]}, "viscous: entry 2 is nan; each must be at least 0"),
+        ({"coulomb": np.inf}, "coulomb: got inf; it must be at least 0"),
         ({"coulomb": "stiff"}, "expected a number"),
-        ({"viscous": np.zeros((2, 2, 2))}, r"\(batch, nv\)"),
+        (
+            {"viscous": np.zeros((2, 2, 2))},
+            r"got an array of shape \(2, 2, 2\); expected .* a row of these for each trial",
+        ),
     ],
 )
 def test_friction_that_cannot_be_is_refused(arguments, said):
