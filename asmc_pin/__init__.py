@@ -74,7 +74,9 @@ if TYPE_CHECKING:
     from asmc_pin.metrics import MetricSettings as MetricSettings
     from asmc_pin.metrics import evaluate as evaluate
     from asmc_pin.pages.summary_tables import Table as Table
+    from asmc_pin.parameters import AsGiven as AsGiven
     from asmc_pin.parameters import OptionalPerJoint as OptionalPerJoint
+    from asmc_pin.parameters import PerTrial as PerTrial
     from asmc_pin.parameters import Values as Values
     from asmc_pin.plant import Disturbance as Disturbance
     from asmc_pin.plant import Drive as Drive
@@ -87,6 +89,7 @@ if TYPE_CHECKING:
     from asmc_pin.plant import PlantParameters as PlantParameters
     from asmc_pin.plant import Sensor as Sensor
     from asmc_pin.plant import Spread as Spread
+    from asmc_pin.plant import VelocityTerm as VelocityTerm
     from asmc_pin.references import REFERENCES as REFERENCES
     from asmc_pin.references import Reference as Reference
     from asmc_pin.reproduction.reproducing import Reproduction as Reproduction

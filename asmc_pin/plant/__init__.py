@@ -7,7 +7,7 @@ controllers what it exchanges with them.
 from __future__ import annotations
 
 from asmc_pin.plant.drive.drive_parameters import Drive
-from asmc_pin.plant.friction.friction_parameters import Friction
+from asmc_pin.plant.friction.friction_parameters import Friction, VelocityTerm
 from asmc_pin.plant.integrators import INTEGRATORS, ORDERS
 from asmc_pin.plant.moving_arms import MovingArm, moving_arms
 from asmc_pin.plant.plant import Plant
@@ -33,4 +33,5 @@ __all__ = [
     "Sensor",
     "Spread",
     "moving_arms",
+    "VelocityTerm",
 ]
