@@ -40,7 +40,7 @@ CHECKS = {
     "A figure": (["tests/pages/test_report_tables.py", "-k", "every_figure"], ["docs/experiments.md"]),
     "A command": (["tests/cli/test_cli.py", "-k", "list or version or bad_input"], ["docs/rooms.md"]),
     "An experiment key": (
-        ["tests/experiment/test_experiment.py", "-k", "mistake or schema or shipped"],
+        ["tests/experiment/test_experiment.py", "-k", "path_of_its_key or valid_under"],
         ["docs/experiments.md"],
     ),
     "A public name": (["tests/test_public_api.py", "-k", "every_public_name or loads_nothing or signature"], []),
