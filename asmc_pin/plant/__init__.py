@@ -32,6 +32,6 @@ __all__ = [
     "PlantParameters",
     "Sensor",
     "Spread",
-    "moving_arms",
     "VelocityTerm",
+    "moving_arms",
 ]
