@@ -6,10 +6,10 @@ controllers what it exchanges with them.
 
 from __future__ import annotations
 
+from asmc_pin.plant.arms_under_way import MovingArm, moving_arms
 from asmc_pin.plant.drive.drive_parameters import Drive
 from asmc_pin.plant.friction.friction_parameters import Friction, VelocityTerm
 from asmc_pin.plant.integrators import INTEGRATORS, ORDERS
-from asmc_pin.plant.moving_arms import MovingArm, moving_arms
 from asmc_pin.plant.plant import Plant
 from asmc_pin.plant.plant_parameters import PlantParameters
 from asmc_pin.plant.plant_state import Motion
