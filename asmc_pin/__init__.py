@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from asmc_pin.controllers import PerJoint as PerJoint
     from asmc_pin.controllers import Sample as Sample
     from asmc_pin.controllers import Scalar as Scalar
+    from asmc_pin.controllers import ScalarOrWord as ScalarOrWord
     from asmc_pin.controllers import Setpoint as Setpoint
     from asmc_pin.controllers import TdeLaw as TdeLaw
     from asmc_pin.controllers import TdeState as TdeState
@@ -167,6 +168,7 @@ _HOME = {
     "Sample": "controllers",
     "SampledLoop": "sampled",
     "Scalar": "controllers",
+    "ScalarOrWord": "controllers",
     "Sensor": "plant",
     "Setpoint": "controllers",
     "Spots": "condition.checker.spot_checks",
@@ -253,6 +255,7 @@ __all__ = [  # noqa: RUF022 - grouped as a reader looks for them
     "AdaptiveState",
     "PerJoint",
     "Scalar",
+    "ScalarOrWord",
     "OptionalScalar",
     "OptionalPerJoint",
     "Values",

@@ -63,6 +63,7 @@ def law(loop: SampledLoop) -> Ppc:
         period=loop.period,
         acceleration=loop.acceleration,
         filter_hz=loop.filter_hz,
+        pairing=loop.pairing,
     )
 
 

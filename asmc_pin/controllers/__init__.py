@@ -20,6 +20,7 @@ from asmc_pin.parameters import (
     Parameter,
     PerJoint,
     Scalar,
+    ScalarOrWord,
     parameters_of,
 )
 
@@ -40,6 +41,7 @@ __all__ = [
     "Ppc",
     "Sample",
     "Scalar",
+    "ScalarOrWord",
     "Setpoint",
     "TdeLaw",
     "TdeState",
