@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from asmc_pin._typing import Array
+from asmc_pin._typing import Array, BoolArray
 from asmc_pin.sampled.linear_map import ClosedLoop, closed_loop
 from asmc_pin.sampled.loop_sensor import LoopSensor
 from asmc_pin.sampled.sampled_loop import SampledLoop
@@ -65,7 +65,7 @@ class LoopNoise:
             "error_noise_bound": _listed(self.error_bound),
             "encoder_count": _listed(self.sensor.count if self.sensor.count.any() else None),
             "velocity_noise": _listed(self.sensor.rate_noise),
-            "torque_noise": _listed(self.sensor.torque_noise),
+            "reported_torque_noise": _listed(self.sensor.torque_noise),
         }
 
     def lines(self, loop: SampledLoop) -> list[str]:
@@ -91,7 +91,7 @@ class LoopNoise:
 
 NOISE_KEYS = (
     "count_torque", "torque_noise_rms", "error_noise_rms", "torque_noise_bound", "error_noise_bound",
-    "encoder_count", "velocity_noise", "torque_noise",
+    "encoder_count", "velocity_noise", "reported_torque_noise",
 )  # fmt: skip
 """Keys of `LoopNoise.to_json_dict`, null in a report that was not asked for noise."""
 
@@ -110,6 +110,11 @@ def count_torque(loop: SampledLoop, count: Array) -> Array:
     return np.asarray(loop.mbar * count * per_angle)
 
 
+def count_formula(loop: SampledLoop) -> str:
+    """The same as a formula."""
+    return "m̄ Δq/L²" if loop.differences_twice else "m̄ β k_s Δq"
+
+
 def filtered_share(loop: SampledLoop) -> float:
     """Share of `count_torque` that filters let through in the period of the count."""
     if not loop.differences_twice:
@@ -119,9 +124,8 @@ def filtered_share(loop: SampledLoop) -> float:
 
 def count_line(torque: Array, share: float, loop: SampledLoop) -> str:
     """What one count is worth, in words."""
-    formula = "m̄ Δq/L²" if loop.differences_twice else "m̄ β k_s Δq"
     through = "" if share == 1.0 else f", of which the filter lets {100.0 * share:.3g} % through at once"
-    return f"one count of the encoder is worth {formula} = {_numbers(torque)} N·m of torque{through}"
+    return f"one count of the encoder is worth {count_formula(loop)} = {_numbers(torque)} N·m of torque{through}"
 
 
 def noise_rms(
@@ -142,7 +146,7 @@ def noise_rms(
         stiffness: ∂g/∂q, shape (..., nv, nv), N·m/rad.
 
     Returns:
-        RMS of the commanded torque, N·m, and of the error, rad, each of shape (..., nv); inf where the loop is unstable.
+        RMS of the commanded torque, N·m, and of the error, rad, each of shape (..., nv); inf for an unstable loop.
     """
     system = closed_loop(mass, loop, viscous=viscous, stiffness=stiffness, sensed=True)
     variance = {
@@ -155,11 +159,11 @@ def noise_rms(
     torque = np.einsum("...ij,...jk,...ik->...i", system.drive, covariance, system.drive)
     error = np.diagonal(covariance, axis1=-2, axis2=-1)[..., system.blocks["q"]]
     torque_rms, error_rms = loop.mbar * np.sqrt(np.maximum(torque, 0.0)), np.sqrt(np.maximum(error, 0.0))
-    unsettled = ~settled[..., None]
-    return np.where(unsettled, np.inf, torque_rms), np.where(unsettled, np.inf, error_rms)
+    known = settled[..., None]
+    return np.where(known, torque_rms, np.inf), np.where(known, error_rms, np.inf)
 
 
-def stationary_covariance(matrix: Array, entered: Array) -> tuple[Array, Array]:
+def stationary_covariance(matrix: Array, entered: Array) -> tuple[Array, BoolArray]:
     """X = F X Fᵀ + W by doubling: X ← X + F X Fᵀ, then F ← F².
 
     A sum of terms that are not negative, so it keeps its digits where poles are near 1 and the state mixes rad with
@@ -173,13 +177,14 @@ def stationary_covariance(matrix: Array, entered: Array) -> tuple[Array, Array]:
         X, shape (..., N, N), and whether it settled, shape (...); it does not for a spectral radius of 1 or more.
     """
     power, total = matrix, entered
+    settled = np.zeros(matrix.shape[:-2], dtype=np.bool_)
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(_DOUBLINGS):
             more = power @ total @ np.swapaxes(power, -1, -2)
             total = total + more
             size = np.abs(np.diagonal(total, axis1=-2, axis2=-1))
             new = np.abs(np.diagonal(more, axis1=-2, axis2=-1))
-            settled = (new <= 1e-12 * size).all(axis=-1) & np.isfinite(size).all(axis=-1)
+            settled = np.asarray((new <= 1e-12 * size).all(axis=-1) & np.isfinite(size).all(axis=-1))
             if (settled | ~np.isfinite(size).all(axis=-1)).all():
                 break
             power = power @ power
@@ -194,7 +199,7 @@ def rounding_bound(
     viscous: Array | None = None,
     stiffness: Array | None = None,
 ) -> tuple[Array, Array]:
-    """Largest torque and error that rounding can cause: half a count times Σ|impulse response|, over all joints' counts.
+    """Largest torque and error that rounding can cause: half a count times Σ|impulse response|, over all joints.
 
     Args:
         mass: M, shape (..., nv, nv), kg·m².
@@ -233,13 +238,14 @@ def _outputs_over_a_block(system: ClosedLoop, loop: SampledLoop) -> tuple[Array,
     return np.concatenate(stacked, axis=-2), np.linalg.matrix_power(system.matrix, _BLOCK)
 
 
-def loop_noise(workspace: Workspace, loop: SampledLoop, sensor: LoopSensor) -> LoopNoise:
+def loop_noise(workspace: Workspace, loop: SampledLoop, sensor: LoopSensor, *, quick: bool = False) -> LoopNoise:
     """The sensors' noise in torque and error, each joint's the worst over a workspace.
 
     Args:
         workspace: Where the arm works; about rest under gravity, if that acts.
         loop: Gains and timing; how v is made there, too.
         sensor: The sensors.
+        quick: Whether the worst of a few samples is enough, and bounds are not needed.
     """
     space = workspace.thinned(_SAMPLES, _FINEST)
 
@@ -250,15 +256,17 @@ def loop_noise(workspace: Workspace, loop: SampledLoop, sensor: LoopSensor) -> L
         return np.concatenate(rms, axis=-1)
 
     at_samples = figures(space.q)
-    worst, points, tried = [], [], len(space.q)
-    for i in range(2 * loop.nv):
-        value, point, more = space.maximise(lambda q, i=i: figures(q)[:, i], at_samples[:, i])
-        worst.append(value)
-        points.append(point)
-        tried += more - len(space.q)
+    worst, points, tried = at_samples.max(axis=0), space.q[at_samples.argmax(axis=0)], len(space.q)
+    if np.isfinite(worst).all() and not quick:
+        climbs = [
+            space.maximise(lambda q, i=i: figures(q)[:, i], at_samples[:, i])  # type: ignore[misc]
+            for i in range(2 * loop.nv)
+        ]
+        worst, points = np.array([value for value, _, _ in climbs]), np.array([point for _, point, _ in climbs])
+        tried += sum(more - len(space.q) for _, _, more in climbs)
     rounded = bool(sensor.count.any())
     bounds: tuple[Array | None, Array | None] = (None, None)
-    if rounded and np.isfinite(worst).all():
+    if rounded and np.isfinite(worst).all() and not quick:
         mass, stiffness = space.frozen(np.concatenate([points, space.q[:_BOUNDED_AT]]))
         torque, error = rounding_bound(mass, loop, sensor.count, viscous=space.viscous, stiffness=stiffness)
         bounds = torque.max(axis=0), error.max(axis=0)
@@ -266,11 +274,11 @@ def loop_noise(workspace: Workspace, loop: SampledLoop, sensor: LoopSensor) -> L
         sensor=sensor,
         count_torque=count_torque(loop, sensor.count) if rounded else None,
         share=filtered_share(loop),
-        torque_rms=np.array(worst[: loop.nv]),
-        error_rms=np.array(worst[loop.nv :]),
+        torque_rms=worst[: loop.nv],
+        error_rms=worst[loop.nv :],
         torque_bound=bounds[0],
         error_bound=bounds[1],
-        worst_q=np.array(points[: loop.nv]),
+        worst_q=points[: loop.nv],
         configurations=tried,
     )
 

@@ -17,6 +17,8 @@ from asmc_pin.experiment import Experiment
 from asmc_pin.plant import Plant
 from asmc_pin.references import check_reference
 from asmc_pin.sampled.gain_warnings import gain_warnings
+from asmc_pin.sampled.noise_warnings import noise_warnings
+from asmc_pin.study.plant_sensor import sensor_of_plant
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,7 +109,14 @@ def before_the_run(
             "keeps it below 1"
         )
     delay = plant.drive.delay if plant.drive is not None else 0.0
-    return lines + gain_warnings(plant.arm, laws, experiment.period, delay=delay, viscous=friction.viscous)
+    sensor = sensor_of_plant(plant)
+    lines += gain_warnings(plant.arm, laws, experiment.period, delay=delay, sensor=sensor, viscous=friction.viscous)
+    weakest = np.atleast_2d(
+        np.broadcast_to(plant.effort_limit, np.broadcast_shapes(np.shape(plant.effort_limit), (plant.nv,)))
+    )
+    return lines + noise_warnings(
+        plant.arm, laws, sensor, experiment.period, delay=delay, effort_limit=weakest.min(axis=0)
+    )
 
 
 def after_the_run(rollouts: Mapping[str, Rollout]) -> list[str]:

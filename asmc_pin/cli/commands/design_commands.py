@@ -31,6 +31,17 @@ from asmc_pin.cli.options import (
     parse_box,
     per_joint,
 )
+from asmc_pin.cli.sensor_options import (
+    EncoderBitsOption,
+    EncoderSideOption,
+    GearOption,
+    PairingOption,
+    TorqueNoiseOption,
+    VelocityFilterOption,
+    VelocityNoiseOption,
+    VelocityOption,
+    sensor_of,
+)
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Acceleration, Form, Objective
 
@@ -144,6 +155,14 @@ def stability(
     acceleration: AccelerationOption = "velocity",
     filter_hz: FilterOption = None,
     delay: DelayOption = 0.0,
+    velocity: VelocityOption = None,
+    velocity_filter_hz: VelocityFilterOption = None,
+    pairing: PairingOption = "matched",
+    encoder_bits: EncoderBitsOption = None,
+    encoder_side: EncoderSideOption = "joint",
+    gear: GearOption = None,
+    velocity_noise: VelocityNoiseOption = None,
+    torque_noise: TorqueNoiseOption = None,
     box: BoxOption = None,
     payload: PayloadOption = None,
     armature: ArmatureOption = None,
@@ -163,6 +182,16 @@ def stability(
         raise ParameterError(
             f"--{next(iter(domain))}", "one value expected here, not a range: a frozen loop is not affine in it"
         )
+    sensor = sensor_of(
+        loaded.nv,
+        velocity=velocity,
+        velocity_filter_hz=velocity_filter_hz,
+        encoder_bits=encoder_bits,
+        encoder_side=encoder_side,
+        gear=gear,
+        velocity_noise=velocity_noise,
+        torque_noise=torque_noise,
+    )
     from asmc_pin.sampled import stability as run
 
     report = run(
@@ -174,6 +203,8 @@ def stability(
         acceleration=acceleration,
         filter_hz=filter_hz,
         delay=delay,
+        sensor=sensor,
+        pairing=pairing,
         box=ranges,
     )
     if figures is not None:
