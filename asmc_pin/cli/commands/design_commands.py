@@ -172,9 +172,14 @@ def stability(
         str | None,
         typer.Option(metavar="DIR", help="Draw the stable region, over β and k_s and over L, into this folder."),
     ] = None,
+    report: Annotated[
+        str | None,
+        typer.Option("--report", metavar="FILE", help="Write a page: how slow may it run? .html or .md."),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Analyse the sampled loop, frozen over the workspace. Exit status 1 when it is unstable somewhere."""
+    page = report_path(report)
     values, slopes, ranges = per_joint(mbar, "--mbar"), per_joint(ks, "--ks"), parse_box(box)
     rate, length = number(beta, "--beta"), number(period, "--period")
     loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
@@ -194,7 +199,7 @@ def stability(
     )
     from asmc_pin.sampled import stability as run
 
-    report = run(
+    found = run(
         loaded,
         values,
         slopes,
@@ -210,10 +215,15 @@ def stability(
     if figures is not None:
         from asmc_pin.pages.stability_figures import save_figures
 
-        for path in save_figures(loaded, report.loop, figures, box=ranges):
+        for path in save_figures(loaded, found.loop, figures, box=ranges):
             note(f"wrote {path}")
+    if page is not None:
+        from asmc_pin.pages.stability_page import write_stability_page
+
+        write_stability_page(found, loaded, page, sensor=sensor, box=ranges)
+        note(f"report: {page}")
     if as_json:
-        print_json(report.to_json_dict())
+        print_json(found.to_json_dict())
     else:
-        say(*report.lines())
-    raise typer.Exit(0 if report.stable else 1)
+        say(*found.lines())
+    raise typer.Exit(0 if found.stable else 1)
