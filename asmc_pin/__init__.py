@@ -94,8 +94,11 @@ if TYPE_CHECKING:
     from asmc_pin.results.result_folder import Result as Result
     from asmc_pin.results.result_folder import load_result as load_result
     from asmc_pin.sampled import LoopLimits as LoopLimits
+    from asmc_pin.sampled import LoopNoise as LoopNoise
+    from asmc_pin.sampled import LoopSensor as LoopSensor
     from asmc_pin.sampled import SampledLoop as SampledLoop
     from asmc_pin.sampled import StabilityReport as StabilityReport
+    from asmc_pin.sampled import loop_sensor as loop_sensor
     from asmc_pin.sampled import stability as stability
     from asmc_pin.sampled.gains import GainDesign as GainDesign
     from asmc_pin.sampled.gains import suggest_gains as suggest_gains
@@ -139,6 +142,8 @@ _HOME = {
     "Lemma1Range": "study.comparison_notes",
     "LimitViolation": "engine",
     "LoopLimits": "sampled",
+    "LoopNoise": "sampled",
+    "LoopSensor": "sampled",
     "METRICS": "metrics",
     "Metric": "metrics",
     "MetricSettings": "metrics",
@@ -199,6 +204,7 @@ _HOME = {
     "reproduce": "reproduction.reproducing",
     "rollout": "engine",
     "signed": "controllers",
+    "loop_sensor": "sampled",
     "stability": "sampled",
     "suggest_gains": "sampled.gains",
     "verify": "condition",
@@ -244,6 +250,9 @@ __all__ = [  # noqa: RUF022 - grouped as a reader looks for them
     "SampledLoop",
     "StabilityReport",
     "LoopLimits",
+    "LoopNoise",
+    "LoopSensor",
+    "loop_sensor",
     "stability",
     "GainDesign",
     "suggest_gains",

@@ -22,8 +22,8 @@ from asmc_pin.arms import Arm
 from asmc_pin.controllers import Ppc, Setpoint
 from asmc_pin.plant import Friction, Sensor
 from asmc_pin.sampled import SampledLoop
-from asmc_pin.sampled.loop_noise import noise_rms, rounding_bound
-from asmc_pin.sampled.loop_sensor import LoopSensor
+from asmc_pin.sampled.sensor_model import LoopSensor
+from asmc_pin.sampled.sensor_noise import noise_rms, rounding_bound
 from asmc_pin.sampled.workspace_worst import gravity_stiffness
 
 UR5 = load_arm("ur5", armature=[0.5, 0.5, 0.3, 0.05, 0.05, 0.05])

@@ -13,8 +13,8 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.domain.joint_box import BoxLike
 from asmc_pin.sampled.law_loops import law_loops
 from asmc_pin.sampled.loop_limits import largest_gain_scale
-from asmc_pin.sampled.loop_sensor import LoopSensor
 from asmc_pin.sampled.sampled_loop import SampledLoop
+from asmc_pin.sampled.sensor_model import LoopSensor
 from asmc_pin.sampled.workspace_worst import Workspace, workspace_of
 
 if TYPE_CHECKING:

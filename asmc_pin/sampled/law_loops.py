@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from asmc_pin._typing import Array
-from asmc_pin.sampled.loop_sensor import LoopSensor
 from asmc_pin.sampled.sampled_loop import SampledLoop
+from asmc_pin.sampled.sensor_model import LoopSensor
 from asmc_pin.sampled.stability_report import loop_for
 
 if TYPE_CHECKING:

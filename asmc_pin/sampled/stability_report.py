@@ -16,9 +16,9 @@ from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.condition.premises import ends_of, premises_of
 from asmc_pin.errors import ParameterError
 from asmc_pin.sampled.loop_limits import LoopLimits, limits_of
-from asmc_pin.sampled.loop_noise import NOISE_KEYS, LoopNoise, loop_noise
-from asmc_pin.sampled.loop_sensor import LoopSensor
 from asmc_pin.sampled.sampled_loop import Acceleration, Pairing, SampledLoop, positive_per_joint
+from asmc_pin.sampled.sensor_model import LoopSensor
+from asmc_pin.sampled.sensor_noise import NOISE_KEYS, LoopNoise, loop_noise
 from asmc_pin.sampled.workspace_worst import Workspace, workspace_of
 from asmc_pin.words.shown import Cells, Shown
 from asmc_pin.words.text import printable
