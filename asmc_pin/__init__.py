@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from asmc_pin.controllers import PerJoint as PerJoint
     from asmc_pin.controllers import Sample as Sample
     from asmc_pin.controllers import Scalar as Scalar
+    from asmc_pin.controllers import ScalarOrWord as ScalarOrWord
     from asmc_pin.controllers import Setpoint as Setpoint
     from asmc_pin.controllers import TdeLaw as TdeLaw
     from asmc_pin.controllers import TdeState as TdeState
@@ -97,8 +98,11 @@ if TYPE_CHECKING:
     from asmc_pin.results.result_folder import Result as Result
     from asmc_pin.results.result_folder import load_result as load_result
     from asmc_pin.sampled import LoopLimits as LoopLimits
+    from asmc_pin.sampled import LoopNoise as LoopNoise
+    from asmc_pin.sampled import LoopSensor as LoopSensor
     from asmc_pin.sampled import SampledLoop as SampledLoop
     from asmc_pin.sampled import StabilityReport as StabilityReport
+    from asmc_pin.sampled import loop_sensor as loop_sensor
     from asmc_pin.sampled import stability as stability
     from asmc_pin.sampled.gains import GainDesign as GainDesign
     from asmc_pin.sampled.gains import suggest_gains as suggest_gains

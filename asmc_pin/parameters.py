@@ -127,6 +127,33 @@ class Scalar(Parameter[float, float]):
         return f"a number{self.bound.words}"
 
 
+class ScalarOrWord(Parameter["float | str", "float | str"]):
+    """One number, or a word that stands for a rule by which the law finds it."""
+
+    def __init__(
+        self,
+        meaning: str,
+        unit: str = "",
+        *,
+        words: tuple[str, ...],
+        above: float | None = None,
+        default: float | str = REQUIRED,
+    ) -> None:
+        super().__init__(meaning, unit, default=default)
+        self.words = words
+        self._scalar = Scalar(meaning, unit, above=above)
+
+    def convert(self, value: float | str) -> float | str:
+        """One of the words, or a finite float within the bound."""
+        self._scalar.name = self.name
+        if not isinstance(value, str):
+            return self._scalar.convert(value)
+        if value in self.words:
+            return value
+        expected = f"one number, {self._scalar.bound.text}, or {' or '.join(map(repr, self.words))}"
+        raise ParameterError(self.name, f"got {value!r}; expected {expected}")
+
+
 class OptionalScalar(Parameter["float | None", "float | None"]):
     """One number, or None."""
 

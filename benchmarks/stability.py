@@ -63,6 +63,7 @@ def law(loop: SampledLoop) -> Ppc:
         period=loop.period,
         acceleration=loop.acceleration,
         filter_hz=loop.filter_hz,
+        pairing=loop.pairing,
     )
 
 
@@ -112,7 +113,8 @@ def main() -> None:
     print("| arm | q | estimate | predicted | simulated | ratio |\n| --- | --- | --- | --- | --- | --- |")
     for q in ([0.4, 0.0], [1.5, 0.3], [-1.2, 2.0]):
         print(boundary_row(two_link, q, 0.01, {}))
-    for timing in ({}, {"acceleration": "position"}, {"filter_hz": 100.0}):
+    by_position = {"acceleration": "position"}
+    for timing in ({}, by_position | {"pairing": "last"}, by_position, {"filter_hz": 100.0}):
         print(boundary_row(UR5, [0.0, -1.3, 1.6, -1.2, -1.4, 0.0], UR5_MBAR, timing))
 
     print("\n| arm | Coulomb, N·m | RMS error of the rollout, deg | over the predicted |\n| --- | --- | --- | --- |")

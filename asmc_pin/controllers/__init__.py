@@ -18,6 +18,7 @@ from asmc_pin.parameters import (
     Parameter,
     PerJoint,
     Scalar,
+    ScalarOrWord,
     parameters_of,
 )
 
@@ -42,6 +43,7 @@ __all__ = [
     "PerJoint",
     "Sample",
     "Scalar",
+    "ScalarOrWord",
     "Setpoint",
     "TdeLaw",
     "TdeState",

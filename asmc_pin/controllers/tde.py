@@ -5,6 +5,8 @@ In the letters of Baek, Jin and Han (2016), equations by their numbers there:
     e = q_d − q,   (4)  s = ė + K_s e
     (6)  Γ̂(t) = q̈(t−L) − M̄⁻¹ τ(t−L)
     (7)  τ = τ(t−L) − M̄ q̈(t−L) + M̄ (q̈_d + K_s ė + β s)
+
+τ(t−L) and q̈(t−L) are a pair: the torque has to be that of the time over which the acceleration is a mean.
 """
 
 from __future__ import annotations
@@ -21,6 +23,9 @@ from asmc_pin._typing import Array
 from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.errors import ParameterError
 from asmc_pin.parameters import Choice, OptionalScalar, PerJoint, Scalar, match_joints
+
+PAIRINGS = ("matched", "last", "mean")
+"""What `TdeLaw.pairing` may be."""
 
 
 def sliding_variable(ks: Array | float, sample: Sample, setpoint: Setpoint) -> Array:
@@ -50,12 +55,14 @@ class TdeState(NamedTuple):
         position: q at the last tick, (batch, nv), rad; kept up only with ``acceleration="position"``.
         velocity: v at the last tick, or with ``acceleration="position"`` (q_k − q_{k−1})/L there, (batch, nv), rad/s.
         acceleration: The estimate of q̈(t−L) used at the last tick, filtered if a filter is set, (batch, nv), rad/s².
+        torque: What the drives reported at the last tick, (batch, nv), N·m; kept up only where two are averaged.
     """
 
     ticks: int
     position: Array
     velocity: Array
     acceleration: Array
+    torque: Array
 
 
 class AdaptiveState(NamedTuple):
@@ -85,6 +92,10 @@ class TdeLaw(ABC):
         acceleration: How q̈(t−L) is estimated: ``"velocity"``, (v_k − v_{k−1})/L, or ``"position"``,
             (q_k − 2 q_{k−1} + q_{k−2})/L².
         filter_hz: Corner frequency of a first-order low-pass on that estimate, above 0, Hz; None for no filter.
+        pairing: Which torque goes with that estimate as τ(t−L): ``"last"``, that of the last period; ``"mean"``, the
+            mean of the last two, for an estimate that is a second difference of position and so the mean acceleration
+            of two periods; ``"matched"``, the one that fits ``acceleration``. The law cannot see how a drive makes its
+            velocity: where that is by difference, give ``"mean"``; an experiment does, for its sensor.
 
     Raises:
         ParameterError: a parameter has a wrong type, size or sign, or is not finite.
@@ -102,6 +113,9 @@ class TdeLaw(ABC):
     period: Scalar = Scalar("control period L", "s", above=0.0)
     acceleration: Choice = Choice("estimate of q̈(t−L)", ("velocity", "position"), default="velocity")
     filter_hz: OptionalScalar = OptionalScalar("low-pass corner of that estimate", "Hz", above=0.0)
+    pairing: Choice = Choice(
+        "torque that goes with it: of the last period, mean of the last two, or what fits", PAIRINGS, default="matched"
+    )
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """A class derived from a law may do something else in a tick: what it does not say itself is not known."""
@@ -125,6 +139,11 @@ class TdeLaw(ABC):
         c = 1 − exp(−2π f L), the exact discretisation of a first-order lag whose input is held over L.
         """
         return 1.0 if self.filter_hz is None else -math.expm1(-2.0 * math.pi * self.filter_hz * self.period)
+
+    @property
+    def averages_torque(self) -> bool:
+        """Whether the mean of the last two torques goes with the estimate of q̈(t−L), and not the last one."""
+        return self.pairing == "mean" or (self.pairing == "matched" and self.acceleration == "position")
 
     def switching_term(self, s: Array, gain: Array) -> Array | None:
         """w, what the law adds to PPC inside the bracket that M̄ multiplies: τ = PPC + M̄ w; of one class alone.
@@ -174,7 +193,7 @@ class TdeLaw(ABC):
                 "expected (batch, nv) for all three",
             )
         self._check_joints(shape[1])
-        return TdeState(0, sample.q.copy(), sample.v.copy(), np.zeros(shape))
+        return TdeState(0, sample.q.copy(), sample.v.copy(), np.zeros(shape), sample.torque.copy())
 
     def estimate_acceleration(self, state: TdeState, sample: Sample) -> TdeState:
         """The estimate of q̈(t−L) at this tick, in the next state of the estimation.
@@ -184,8 +203,9 @@ class TdeLaw(ABC):
         ((q_1 − q_0)/L − v_0)/L. A filter starts from the 0 of the first tick.
         """
         # Copies: the caller may reuse the arrays of the sample for the next one.
+        torque = sample.torque.copy() if self.averages_torque else state.torque
         if state.ticks == 0:
-            return TdeState(1, sample.q.copy(), sample.v.copy(), np.zeros(sample.q.shape))
+            return TdeState(1, sample.q.copy(), sample.v.copy(), np.zeros(sample.q.shape), torque)
         if self.acceleration == "velocity":
             position, velocity = state.position, sample.v.copy()
         else:
@@ -194,23 +214,25 @@ class TdeLaw(ABC):
         estimate = (velocity - state.velocity) / self.period
         if self.filter_hz is not None:
             estimate = state.acceleration + self.filter_weight * (estimate - state.acceleration)
-        return TdeState(state.ticks + 1, position, velocity, estimate)
+        return TdeState(state.ticks + 1, position, velocity, estimate, torque)
 
     def pole_placement(self, state: TdeState, sample: Sample, setpoint: Setpoint) -> tuple[Array, Array, TdeState]:
         """The shared control (7).
 
         Args:
             state: What the estimation remembers of the last tick.
-            sample: What the drives report now; its torque is τ(t−L).
+            sample: What the drives report now; its torque is τ(t−L), or half of it where two are averaged.
             setpoint: The reference now.
 
         Returns:
             The torque (7), (batch, nv), N·m; the sliding variable s (4), (batch, nv), rad/s; the next state.
         """
+        # Before t = 0 the drives are taken to have held what they hold at t = 0.
+        torque = 0.5 * (sample.torque + state.torque) if self.averages_torque else sample.torque
         state = self.estimate_acceleration(state, sample)
         s = sliding_variable(self.ks, sample, setpoint)
         wanted = setpoint.a + self.ks * (setpoint.v - sample.v) + self.beta * s
-        return sample.torque + self.mbar * (wanted - state.acceleration), s, state
+        return torque + self.mbar * (wanted - state.acceleration), s, state
 
     def _check_joints(self, nv: int) -> None:
         if self.nv is not None and self.nv != nv:

@@ -17,6 +17,7 @@ from asmc_pin.parameters import (
     Parameter,
     PerJoint,
     Scalar,
+    ScalarOrWord,
     Values,
     parameters_of,
 )
@@ -82,6 +83,8 @@ class Signature:
             schema = {"enum": list(item.options)}
         elif isinstance(item, (Scalar, OptionalScalar)):
             schema = dict(_NUMBER)
+        elif isinstance(item, ScalarOrWord):
+            schema = {"anyOf": [_NUMBER, {"enum": list(item.words)}]}
         elif isinstance(item, Values):
             kinds = (_NUMBER, _LIST, _NESTED)
             in_files = (0, 1) if isinstance(item, PerJoint) else item.axes  # a row per trial is for Python alone

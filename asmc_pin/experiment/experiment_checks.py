@@ -11,11 +11,13 @@ from pydantic import BaseModel, ValidationError
 
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
+from asmc_pin.controllers import TdeLaw
 from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment.constructors import Problem, Signature, construct, nearest
 from asmc_pin.experiment.law_lookup import LAWS, is_own, load_law
 from asmc_pin.experiment.plant_parts import TABLES
 from asmc_pin.experiment.toml_keys import ExperimentTables
+from asmc_pin.plant import Sensor
 from asmc_pin.references import REFERENCES, Reference
 from asmc_pin.words.text import printable
 from asmc_pin.words.units import check_delay, check_motion
@@ -175,6 +177,8 @@ def controller_problems(
         values |= {key: value for key, value in table.items() if key != "law"}
         if signature.takes("period"):
             values["period"] = data.get("period")
+        if issubclass(law, TdeLaw) and values.get("pairing", "matched") == "matched" and _differences(data):
+            values["pairing"] = "mean"  # what fits: the law cannot see how its velocities are made
         if len({len(values[key]) for key in values if _is_list(signature, key, values[key])}) > 1:
             continue  # one of them does not fit the arm; told when the arm is known, with its joints
         made[label], found = construct(law, values, path)
@@ -182,6 +186,13 @@ def controller_problems(
     if all_known:  # what a law that was not imported takes, nobody knows
         problems += _default_problems(defaults, signatures)
     return made, problems
+
+
+def _differences(data: Mapping[str, Any]) -> bool:
+    """Whether the plant's sensor makes velocities from differences of its readings."""
+    plant = data.get("plant")
+    sensor = plant.get("sensor") if isinstance(plant, Mapping) else None
+    return isinstance(sensor, Mapping) and sensor.get("velocity", Sensor.velocity) != "exact"
 
 
 def _law(table: Mapping[str, Any], folder: Path, path: str) -> tuple[type | None, list[Problem]]:

@@ -3,7 +3,8 @@ r"""What a law with time-delay estimation asked for and what it got, tick by tic
 Discrete quantities; ā_k = (v_{k+1} − v_k)/L is the mean of q̈ over the period [t_k, t_{k+1}), τ_k that of the torque:
 
     Γ_k = ā_k − M̄⁻¹ τ_k                  (3), the mean of Γ(t) over the period
-    Γ̂_k = q̈̂_k − M̄⁻¹ τ_{k−1}             (6), the law's own estimate of q̈(t−L), of the true motion; q̈̂_0 = 0
+    Γ̂_k = q̈̂_k − M̄⁻¹ τ_{k−1}             (6), the law's own estimate of q̈(t−L), of the true motion; q̈̂_0 = 0; with
+                                         (τ_{k−1} + τ_{k−2})/2 where the law averages two torques
     N_k = Γ_k − Γ̂_k                      the TDE error
     u_k = q̈_d + K_s ė + β s + w_k        the acceleration that the law wants; w its switching term
     r_k = M̄⁻¹ τ_k + Γ̂_k − u_k            how far the torque is from what gives u_k
@@ -73,12 +74,17 @@ def signals_of(rollout: Rollout, law: Any, mbar: Array, effort_limit: Array) -> 
     acceleration[:, :-1] = np.diff(rollout.v, axis=1) / rollout.period
     gamma = acceleration - rollout.torque / mbar
     before = np.concatenate([rollout.held_torque[:, None], rollout.torque[:, :-1]], axis=1)
-    true = _view(rollout, law, mbar, rollout.q, rollout.v, before)
+    # Two torques are averaged where v is a difference of angles: of the true motion, it is that of the true angles.
+    rate = rollout.v
+    if getattr(law, "averages_torque", False):
+        rate = _differences(rollout.q, rollout.v, rollout.period)
+    true = _view(rollout, law, mbar, rollout.q, rollout.v, rate, before)
     shortfall: dict[str, Array] = {}
     if true.wanted is not None:
         told = true
         if not rollout.ideal_sensor:
-            told = _view(rollout, law, mbar, rollout.q_measured, rollout.v_measured, rollout.torque_measured)
+            seen = rollout.v_measured
+            told = _view(rollout, law, mbar, rollout.q_measured, seen, seen, rollout.torque_measured)
         assert told.wanted is not None
         command = mbar * (told.wanted - told.estimate)
         limited = np.clip(command, -effort_limit[:, None], effort_limit[:, None])
@@ -90,10 +96,13 @@ def signals_of(rollout: Rollout, law: Any, mbar: Array, effort_limit: Array) -> 
     return Signals(true.s, gamma, true.estimate, gamma - true.estimate, true.switching, shortfall)
 
 
-def _view(rollout: Rollout, law: Any, mbar: Array, q: Array, v: Array, before: Array) -> _View:
+def _view(rollout: Rollout, law: Any, mbar: Array, q: Array, v: Array, slope: Array, before: Array) -> _View:
+    """One account of the motion; `slope` is the velocity of which the estimate of q̈(t−L) is a difference."""
     rate = rollout.v_ref - v
     s = rate + getattr(law, "ks", np.nan) * (rollout.q_ref - q)
-    estimate = estimated_acceleration(q, v, rollout.period, law) - before / mbar
+    if getattr(law, "averages_torque", False):
+        before = 0.5 * (before + np.concatenate([before[:, :1], before[:, :-1]], axis=1))
+    estimate = estimated_acceleration(q, slope, rollout.period, law) - before / mbar
     switching = switching_term(law, s, rollout.gain)
     wanted = None if switching is None else rollout.a_ref + law.ks * rate + law.beta * s + switching
     return _View(s, estimate, switching, wanted)
@@ -113,7 +122,7 @@ def estimated_acceleration(q: Array, v: Array, period: float, law: Any) -> Array
     """
     rate = v
     if getattr(law, "acceleration", "velocity") == "position":
-        rate = np.concatenate([v[:, :1], np.diff(q, axis=1) / period], axis=1)
+        rate = _differences(q, v, period)
     estimate = np.zeros_like(v)
     estimate[:, 1:] = np.diff(rate, axis=1) / period
     weight = getattr(law, "filter_weight", 1.0)
@@ -121,6 +130,11 @@ def estimated_acceleration(q: Array, v: Array, period: float, law: Any) -> Array
         return estimate
     filtered: Array = lfilter([weight], [1.0, weight - 1.0], estimate, axis=1)
     return filtered
+
+
+def _differences(q: Array, v: Array, period: float) -> Array:
+    """Velocities as the backward differences of the angles, v(0) at the first tick."""
+    return np.concatenate([v[:, :1], np.diff(q, axis=1) / period], axis=1)
 
 
 def switching_term(law: Any, s: Array, gain: Array) -> Array | None:

@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-import base64
-import io
-from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
-from string import Template
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,31 +10,19 @@ from matplotlib import colormaps
 
 from asmc_pin.condition import ConditionReport, DesignReport
 from asmc_pin.disk.files import write_whole
-from asmc_pin.errors import ParameterError
 from asmc_pin.pages.condition_figures import COLOURS, along_figure, distribution_figure, maps_figure, trade_off_figure
 from asmc_pin.pages.condition_words import facts, headline, joint_table, meaning, sentence
-from asmc_pin.pages.figure_style import paper_style
+from asmc_pin.pages.plates import Plate, framed, is_html, write_beside
 from asmc_pin.pages.summary_tables import Table, markdown_table
 from asmc_pin.viewer.drawing.drawn_bodies import draw
 from asmc_pin.viewer.played_motion import Motion, describe
-from asmc_pin.viewer.player_page import POLICY, player_scripts, replay_element, static
+from asmc_pin.viewer.player_page import replay_element
 from asmc_pin.words.media import for_html, for_markdown
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from asmc_pin.arms import Arm
 
 _WORST = "#D55E00"
-
-
-@dataclass(frozen=True, eq=False)
-class _Plate:
-    """A figure, its file's name and its caption."""
-
-    name: str
-    figure: Figure
-    caption: str
 
 
 def write_condition_report(report: ConditionReport | DesignReport, arm: Arm, path: str | Path) -> None:
@@ -56,38 +39,35 @@ def write_condition_report(report: ConditionReport | DesignReport, arm: Arm, pat
         ResultError: The file cannot be written.
     """
     path = Path(path)
-    if path.suffix.lower() not in (".html", ".md"):
-        raise ParameterError("report", f"{path.name} ends in neither .html nor .md; the ending chooses the form")
-    plates = list(_plates(report))
-    if path.suffix.lower() == ".html":
+    html, plates = is_html(path), list(_plates(report))
+    if html:
         write_whole(path, _html(report, arm, plates))
         return
-    for plate in plates:
-        write_whole(path.with_name(f"{path.stem}_{plate.name}.png"), _png(plate.figure))
+    write_beside(path, plates)
     write_whole(path, _markdown(report, arm, plates, path.stem))
 
 
-def _plates(report: ConditionReport | DesignReport) -> list[_Plate]:
+def _plates(report: ConditionReport | DesignReport) -> list[Plate]:
     check = report.check if isinstance(report, DesignReport) else report
     plates = []
     if isinstance(report, DesignReport) and len(report.trade_off) > 1:
         caption = "Norm against the slowest mode of the estimate, from least norm to largest guaranteed bandwidth."
-        plates.append(_Plate("trade_off", trade_off_figure(report), caption))
+        plates.append(Plate("trade_off", trade_off_figure(report), caption))
     if check is None:
         return plates
     if check.times is not None:
         caption = "The norm over time" + (", largest of each slice of the tube." if check.scope == "tube" else ".")
-        plates.append(_Plate("along", along_figure(check), caption))
+        plates.append(Plate("along", along_figure(check), caption))
     caption = "How often the samples have which norm; dashed, the largest that was found by local maximisation."
-    plates.append(_Plate("distribution", distribution_figure(check), caption))
+    plates.append(Plate("distribution", distribution_figure(check), caption))
     maps = maps_figure(check, check.subject)
     if maps is not None:
         caption = "The norm over pairs of joints, the others as in the worst configuration (cross). Axes in rad (m)."
-        plates.append(_Plate("maps", maps, caption))
+        plates.append(Plate("maps", maps, caption))
     return plates
 
 
-def _html(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Plate]) -> str:
+def _html(report: ConditionReport | DesignReport, arm: Arm, plates: list[Plate]) -> str:
     check = report.check if isinstance(report, DesignReport) else report
     body = [
         f"<h1>{for_html(headline(report))}</h1>",
@@ -121,24 +101,13 @@ def _html(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Plate]
             body.append("<h3>The motion, coloured by the norm: dark where it is least, bright where it is largest</h3>")
             body.append(f'<div class="panel">{_along(check)}</div>')
         body.append("<h2>Figures</h2>")
-    for plate in plates:
-        data = base64.b64encode(_png(plate.figure)).decode()
-        image = f'<img alt="{for_html(plate.caption)}" src="data:image/png;base64,{data}">'
-        body.append(
-            f'<figure><div class="paper">{image}</div><figcaption>{for_html(plate.caption)}</figcaption></figure>'
-        )
+    body += [plate.html() for plate in plates]
     body.append("<h2>What the condition means</h2>")
     body += [f"<p>{for_html(line)}</p>" for line in meaning(report.condition)]
-    return Template(_static("report.html")).substitute(
-        policy=POLICY,
-        title=for_html(headline(report)),
-        style=static("player.css") + _static("report.css"),
-        body="\n".join(body),
-        scripts=player_scripts() if check is not None else "",
-    )
+    return framed(headline(report), body, player=check is not None)
 
 
-def _markdown(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Plate], stem: str) -> str:
+def _markdown(report: ConditionReport | DesignReport, arm: Arm, plates: list[Plate], stem: str) -> str:
     check = report.check if isinstance(report, DesignReport) else report
     lines = [
         f"# {for_markdown(headline(report))}",
@@ -166,12 +135,7 @@ def _markdown(report: ConditionReport | DesignReport, arm: Arm, plates: list[_Pl
         head, rows = joint_table(check, arm)
         lines += ["", "## Joints and the worst configuration", "", markdown_table(Table("", head, rows))]
     for plate in plates:
-        lines += [
-            "",
-            f"![{for_markdown(plate.caption)}](<{stem}_{plate.name}.png>)",
-            "",
-            f"*{for_markdown(plate.caption)}*",
-        ]
+        lines += plate.markdown(stem)
     lines += ["", "## What the condition means", "", "\n\n".join(meaning(report.condition))]
     return "\n".join(lines) + "\n"
 
@@ -196,14 +160,3 @@ def _along(check: ConditionReport) -> str:
     drawn = draw(check.subject)
     description = describe(drawn, check.joints, check.times - check.times[0], [motion], None)
     return replay_element(description, drawn.notes, embedded=True)
-
-
-def _png(figure: Figure) -> bytes:
-    buffer = io.BytesIO()
-    with paper_style():
-        figure.savefig(buffer, format="png", metadata={"Software": None})
-    return buffer.getvalue()
-
-
-def _static(name: str) -> str:
-    return (files("asmc_pin.pages") / "static" / name).read_text(encoding="utf-8")

@@ -120,4 +120,7 @@ def read(law: TdeLaw, reading: Mapping[str, str]) -> TdeLaw:
     rate, size, _, _ = ADAPTATION[reading["adaptation"]]
     factors = {"rad/s": size, "rad/s²": rate, "rad/s³": rate}
     own = {name: item.unit for name, item in parameters_of(type(law)).items() if item.unit in factors}
-    return replace(changed, **{name: getattr(changed, name) * factors[unit] for name, unit in own.items()})
+    # A rule such as ε = 4 k̂ L follows from the gain, in whatever units that is.
+    given = {name: getattr(changed, name) for name in own}
+    numbers = {name: value for name, value in given.items() if not isinstance(value, str)}
+    return replace(changed, **{name: value * factors[own[name]] for name, value in numbers.items()})

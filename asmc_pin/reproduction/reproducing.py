@@ -169,6 +169,7 @@ def _experiment(name: str, comparison: Comparison) -> dict[str, Any]:
             for label in own
             if label.endswith(SUFFIX)
         },
+        "existing_epsilon": {label: own[label]["epsilon"] for label in own if own[label]["law"] == "plestan2010"},
         "theorems": theorems(comparison.experiment, PROPOSED),
         "claims": judge(told, [float(norm.min()), float(norm.max())], printed),
     }

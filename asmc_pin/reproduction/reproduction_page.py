@@ -219,6 +219,24 @@ def _gains(data: Mapping[str, Any]) -> Iterator[str]:
     ]
     yield _text_table(Table("", ["experiment", "law", "tuned to"], rows))
     yield ""
+    yield _epsilons(data)
+    yield ""
+
+
+def _epsilons(data: Mapping[str, Any]) -> str:
+    """Which ε the existing law was run with: its authors tune it by the gain, Baek 2016 does not say."""
+    used = [
+        (label, value) for item in data["experiments"].values() for label, value in item["existing_epsilon"].items()
+    ]
+    by_gain = [label for label, value in used if value == "4KL"]
+    constant = sorted({float(value) for _, value in used if value != "4KL"})
+    parts = [f'ε of the existing law: its authors advise 4 k̂ L (`epsilon = "4KL"`), which {len(by_gain)} rows use']
+    if constant:
+        parts.append(
+            f"{len(used) - len(by_gain)} rows use a constant, {number(constant[0])} to {number(constant[-1])} rad/s, "
+            "as written in their files"
+        )
+    return "; ".join(parts) + "."
 
 
 def _gains_text(values: Mapping[str, Any]) -> str:

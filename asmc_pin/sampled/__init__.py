@@ -21,11 +21,15 @@ from asmc_pin.sampled.linear_map import (
 )
 from asmc_pin.sampled.loop_limits import LoopLimits
 from asmc_pin.sampled.sampled_loop import SampledLoop
+from asmc_pin.sampled.sensor_model import LoopSensor, loop_sensor
+from asmc_pin.sampled.sensor_noise import LoopNoise
 from asmc_pin.sampled.stability_report import StabilityReport, stability
 
 __all__ = [
     "ClosedLoop",
     "LoopLimits",
+    "LoopNoise",
+    "LoopSensor",
     "SampledLoop",
     "StabilityReport",
     "StepResponse",
@@ -33,6 +37,7 @@ __all__ = [
     "closed_loop",
     "drift_error",
     "inertia_ratios",
+    "loop_sensor",
     "modal_radius",
     "predict_tracking",
     "reversal_estimate",

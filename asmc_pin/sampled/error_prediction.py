@@ -26,17 +26,20 @@ _LONGEST = 20_000
 def drift_error(loop: SampledLoop, drift: ArrayLike) -> Array:
     r"""Steady error under a load torque that drifts at a constant rate, e = (1 + d) L M̄⁻¹ḣ / (β K_s).
 
-    In the steady state (7) adds M̄βK_s e to the torque last reported, and the load has grown by (1 + d)L ḣ since then.
+    (3/2 + d) L where two torques are averaged.
+
+    In the steady state (7) adds M̄βK_s e to the torque last reported, and the load has grown by (1 + d)L ḣ since then;
+    by half a period more since the mean of the last two.
     M does not enter: the joints do not couple, however full M is. docs/stability.md has the proof.
 
     Args:
-        loop: Gains and timing; the acceleration estimate and its filter do not matter.
+        loop: Gains and timing; how the acceleration is estimated, and filtered, does not matter, but its pairing does.
         drift: ḣ, shape (..., nv), N·m/s.
 
     Returns:
         e = q_d − q, shape (..., nv), rad; positive where the load grows against positive motion.
     """
-    return np.asarray((1.0 + loop.delay) * loop.period * np.asarray(drift) / (loop.mbar * loop.kp))
+    return np.asarray(loop.torque_age * loop.period * np.asarray(drift) / (loop.mbar * loop.kp))
 
 
 @dataclass(frozen=True)
@@ -92,8 +95,9 @@ def step_response(mass: Array, loop: SampledLoop, steps: ArrayLike) -> StepRespo
 def reversal_estimate(loop: SampledLoop, coulomb: ArrayLike) -> tuple[Array, Array]:
     r"""Peak and energy of the error after a reversal of Coulomb friction, for an inner loop that is fast (a not small).
 
-    The estimate takes (1 + d)L to catch up with the step 2f, so what reaches (8) is a blow of (1 + d)L·2f/m̄ in
-    velocity, answered by e(t) = blow · (e^{−k_s t} − e^{−βt})/(β − k_s), of energy blow²/(2 K_d K_p).
+    The estimate takes (1 + d)L to catch up with the step 2f ((3/2 + d)L where two torques are averaged), so what
+    reaches (8) is a blow of (1 + d)L·2f/m̄ in velocity, answered by
+    e(t) = blow · (e^{−k_s t} − e^{−βt})/(β − k_s), of energy blow²/(2 K_d K_p).
 
     Args:
         loop: Gains and timing.
@@ -102,7 +106,7 @@ def reversal_estimate(loop: SampledLoop, coulomb: ArrayLike) -> tuple[Array, Arr
     Returns:
         Peak of |e|, rad, and ∫e² dt, rad²·s, each of shape (nv,).
     """
-    blow = (1.0 + loop.delay) * loop.period * 2.0 * np.asarray(coulomb, dtype=np.float64) / loop.mbar
+    blow = loop.torque_age * loop.period * 2.0 * np.asarray(coulomb, dtype=np.float64) / loop.mbar
     ratio = loop.beta / loop.ks
     # The maximum of the response is blow/k_s · r^(−r/(r−1)) with r = β/k_s; 1/e in the limit r → 1.
     apart = np.abs(ratio - 1.0) > 1e-6
@@ -191,7 +195,7 @@ def _holding(system: ClosedLoop, command: Array) -> Array:
     """The state of a loop whose drives hold a constant command, at rest on the reference."""
     state = np.zeros(system.matrix.shape[-1])
     for name, where in system.blocks.items():
-        if name == "tde" or name.startswith("command-"):
+        if name in ("tde", "report") or name.startswith("command-"):
             state[where] = command
     return state
 
@@ -205,13 +209,24 @@ def _needed_torque(arm: Arm, reference: Reference, time: Array, coulomb: ArrayLi
 
 
 def _surplus(loop: SampledLoop, reference: Reference, time: Array) -> Array:
-    """What (7) commands beyond what its estimate of the reference's acceleration takes off, shape (T, nv), rad/s²."""
+    """What (7) commands on the reference itself, read and differenced as the joints are, shape (T, nv), rad/s²."""
     wanted = reference.evaluate(time)
-    estimate = np.zeros_like(wanted.a)
-    velocity = wanted.v
-    if loop.acceleration == "position":
-        velocity = np.concatenate([wanted.v[:1], np.diff(wanted.q, axis=0) / loop.period])
-    for k in range(1, len(time)):
-        newest = (velocity[k] - velocity[k - 1]) / loop.period
-        estimate[k] = estimate[k - 1] + loop.smoothing * (newest - estimate[k - 1])
-    return np.asarray(wanted.a - estimate)
+    before = time - loop.reading_delay * loop.period
+    seen = reference.evaluate(np.maximum(before, 0.0))
+    angle = seen.q + np.minimum(before, 0.0)[:, None] * seen.v  # before t = 0 it moves on at v(0)
+    slope = np.concatenate([seen.v[:1], np.diff(angle, axis=0) / loop.period])
+    rate = seen.v
+    if loop.velocity == "difference":
+        rate = _low_passed(slope, loop.velocity_smoothing)
+    moved = slope if loop.acceleration == "position" else rate
+    raw = np.diff(moved, axis=0, prepend=moved[:1]) / loop.period
+    estimate = _low_passed(raw, loop.smoothing)
+    return np.asarray(wanted.a - estimate + loop.kd * (wanted.v - rate) + loop.kp * (wanted.q - angle))
+
+
+def _low_passed(values: Array, share: float) -> Array:
+    """y_k = y_{k−1} + share·(x_k − y_{k−1}), from y_0 = x_0."""
+    out = values.copy()
+    for k in range(1, len(out)) if share < 1.0 else ():
+        out[k] = out[k - 1] + share * (values[k] - out[k - 1])
+    return out

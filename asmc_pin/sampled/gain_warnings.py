@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.domain.joint_box import BoxLike
+from asmc_pin.sampled.law_loops import law_loops
 from asmc_pin.sampled.remedies import quick_workspaces, remedy
 from asmc_pin.sampled.sampled_loop import SampledLoop
-from asmc_pin.sampled.stability_report import loop_for
+from asmc_pin.sampled.sensor_model import LoopSensor
 from asmc_pin.sampled.workspace_worst import Workspace
 
 if TYPE_CHECKING:
@@ -48,6 +49,7 @@ def gain_warnings(
     period: float | None = None,
     *,
     delay: float = 0.0,
+    sensor: LoopSensor | None = None,
     viscous: ArrayLike | None = None,
     box: BoxLike = None,
 ) -> list[str]:
@@ -62,6 +64,7 @@ def gain_warnings(
         controllers: Label -> law. One without `mbar, ks, beta` is not of this kind and is passed over.
         period: Control period, s; by default each law's own.
         delay: The plant's transport delay, periods.
+        sensor: Its sensors, which change the loop; ideal ones by default.
         viscous: Viscous friction that may be counted on, N·m·s/rad, a scalar, (nv,) or (batch, nv), of which the
             least counts; none by default, to be careful.
         box: Joint box; the arm's own by default.
@@ -74,29 +77,15 @@ def gain_warnings(
     """
     arms = dict(arm) if isinstance(arm, Mapping) else {"": arm}
     first = next(iter(arms.values()))
-    by_loop: dict[tuple[Any, ...], tuple[SampledLoop, list[str]]] = {}
-    layers: list[tuple[str, SampledLoop]] = []
-    for label, law in controllers.items():
-        if not all(hasattr(law, name) for name in ("mbar", "ks", "beta")):
-            continue
-        own = law.period if period is None else period
-        timing = {
-            "acceleration": getattr(law, "acceleration", "velocity"),
-            "filter_hz": getattr(law, "filter_hz", None),
-            "delay": delay,
-        }
-        loop = loop_for(first, law.mbar, law.ks, law.beta, own, **timing)
-        key = (loop.mbar.tobytes(), loop.ks.tobytes(), loop.beta.tobytes(), loop.period, *timing.values())
-        by_loop.setdefault(key, (loop, []))[1].append(label)
-        slope = getattr(law, "boundary_slope", None)
-        if slope is not None:
-            layers.append((label, loop_for(first, law.mbar, law.ks, loop.beta + slope, own, **timing)))
-    if not by_loop:
+    loops = law_loops(first, controllers, period, delay=delay, sensor=sensor)
+    if not loops:
         return []
     friction = None if viscous is None else _counted_on(viscous, first.nv)
     searched = [_Searched(words, each, *quick_workspaces(each, box, viscous=friction)) for words, each in arms.items()]
-    found = [_about_loop(", ".join(labels), loop, searched, friction, box) for loop, labels in by_loop.values()]
-    found += [_about_layer(label, loop, searched) for label, loop in layers]
+    found = [_about_loop(item.title, item.loop, searched, friction, box) for item in loops]
+    for item in loops:
+        layers = {label: replace(item.loop, beta=item.loop.beta + slope) for label, slope in item.layers.items()}
+        found += [_about_layer(label, loop, searched) for label, loop in layers.items()]
     return [warning for warning in found if warning]
 
 

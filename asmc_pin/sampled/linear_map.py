@@ -17,23 +17,30 @@ from asmc_pin.errors import NotPositiveDefinite, ParameterError
 from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.sampled.transition import Transition, transition
 
+_ERRORS = ("angle", "rate", "report")
+
 
 @dataclass(frozen=True)
 class ClosedLoop:
-    """The map z_{k+1} = F z_k + E h_k + B w_k of the frozen loop around a set-point.
+    """The map z_{k+1} = F z_k + E h_k + B w_k + S n_{k+1} of the frozen loop around a set-point.
 
     Attributes:
         matrix: F, shape (..., N, N).
         load: E, shape (..., N, nv): response to a load torque h (N·m, resisting: M q̈ = τ − h) held over one period.
         command: B, shape (..., N, nv): response to an addition w (rad/s²) to the commanded acceleration M̄⁻¹τ_k.
         blocks: Where each part of z lies. "q" and "v" are the deviation from the set-point (−e, −ė); "tde" is the term
-            M̄⁻¹τ(t−L) − q̈(t−L) that the controller adds; the rest is memory of the estimate, the filter and the delay.
+            M̄⁻¹τ(t−L) − q̈(t−L) that the controller adds; the rest is memory of readings, estimate, filters and delay.
+        sensed: S by what is added to: the "angle" read (rad), the "rate" where it is measured (rad/s), and the "report"
+            of the torque (as acceleration, rad/s²); each of shape (..., N, nv). Empty unless asked for.
+        drive: U with M̄⁻¹τ_k = U z_k (w_k apart), the command as acceleration, shape (..., nv, N).
     """
 
     matrix: Array
     load: Array
     command: Array
     blocks: dict[str, slice]
+    sensed: dict[str, Array]
+    drive: Array
 
     def spectral_radius(self) -> Array:
         """Largest modulus of F's eigenvalues, shape (...). Below 1 the frozen loop is asymptotically stable."""
@@ -47,6 +54,7 @@ def closed_loop(
     viscous: ArrayLike | None = None,
     stiffness: Array | None = None,
     substeps: int | None = None,
+    sensed: bool = False,
 ) -> ClosedLoop:
     """The linear map of the sampled loop (7) with M(q) held constant.
 
@@ -57,54 +65,103 @@ def closed_loop(
         stiffness: ∂g/∂q there, shape (..., nv, nv), N·m/rad, for the linearisation about rest; none by default.
         substeps: None: the exact solution under held torque. A number: as many steps of the plant's own scheme, which
             differs from it only where there is friction, stiffness, or a delay that ends within a step.
+        sensed: Whether to work out what errors of the readings do, which takes a few more states.
 
     Returns:
-        The map. State order: q, v, tde, then as needed slope (position estimate), acceleration (filter), and command-1,
-        command-2, … (delay).
+        The map. State order: q, v, tde, then as needed angle and rate (what is read of them), slope (position
+        estimate), acceleration (filter), report (the last torque reported), command-1, command-2, … (delay), q-1, v-1,
+        … (age of the readings).
     """
     n, whole = loop.nv, math.floor(loop.delay)
     fraction = loop.delay - whole
-    names = ["q", "v", "tde"]
-    names += ["slope"] if loop.acceleration == "position" else []
-    names += ["acceleration"] if loop.filter_hz is not None else []
-    names += [f"command-{i}" for i in range(1, math.ceil(loop.delay) + 1)]
+    names = _state_names(loop, sensed)
     blocks = {name: slice(i * n, (i + 1) * n) for i, name in enumerate(names)}
     size = n * len(names)
+    inputs = ("load", "extra", *(_ERRORS if sensed else ()))
     batch = np.shape(mass)[:-2]
 
     def signal(columns: slice) -> Array:
-        rows = np.zeros((n, size + 2 * n))
+        rows = np.zeros((n, size + len(inputs) * n))
         rows[:, columns] = np.eye(n)
-        return np.broadcast_to(rows, (*batch, n, size + 2 * n))
+        return np.broadcast_to(rows, (*batch, n, size + len(inputs) * n))
 
+    columns = {name: slice(size + i * n, size + (i + 1) * n) for i, name in enumerate(inputs)}
     now = {name: signal(where) for name, where in blocks.items()}
-    load, extra = signal(slice(size, size + n)), signal(slice(size + n, size + 2 * n))
+    come = {name: signal(where) for name, where in columns.items()}
     step = transition(
         mass, loop.mbar, loop.period, fraction=fraction, viscous=viscous, stiffness=stiffness, substeps=substeps
     )
 
-    # The controller, (7) with q_d = 0: e = −q, ė = −v.
-    command = now["tde"] - loop.kd[:, None] * now["v"] - loop.kp[:, None] * now["q"] + extra
-    commands = [command] + [now[name] for name in names if name.startswith("command-")]
+    # The controller, (7) with q_d = 0: e = −q, ė = −v, as they are read.
+    angle, rate = (now.get(seen, now[true]) for seen, true in (("angle", "q"), ("rate", "v")))
+    drive = now["tde"] - loop.kd[:, None] * rate - loop.kp[:, None] * angle
+    commands = [drive + come["extra"]] + [now[name] for name in names if name.startswith("command-")]
     recent = commands[whole]
     older = commands[whole + 1] if fraction else recent
-    nxt = _advance(step, now, recent, older, load)
+    nxt = _advance(step, now, recent, older, come["load"])
+    for name, value in zip((name for name in names if name.startswith("command-")), commands, strict=False):
+        nxt[name] = value
+    for name in (name for name in names if name[:2] in ("q-", "v-")):
+        age = int(name[2:])
+        nxt[name] = now[name[0] if age == 1 else f"{name[0]}-{age - 1}"]
 
     # What the drive reports, and the estimate of the acceleration that goes with it.
     reported = (1.0 - fraction) * recent + fraction * older
+    read, speed = _readings(loop, nxt)
+    if sensed:
+        read, speed, reported = read + come["angle"], speed + come["rate"], reported + come["report"]
+    difference = (read - angle) / loop.period
+    if loop.velocity == "difference":
+        speed = rate + loop.velocity_smoothing * (difference - rate)
     if loop.acceleration == "velocity":
-        estimate = (nxt["v"] - now["v"]) / loop.period
+        estimate = (speed - rate) / loop.period
+    elif "slope" in blocks:
+        estimate = (difference - now["slope"]) / loop.period
+        nxt["slope"] = difference
     else:
-        nxt["slope"] = (nxt["q"] - now["q"]) / loop.period
-        estimate = (nxt["slope"] - now["slope"]) / loop.period
+        estimate = (difference - rate) / loop.period
     if loop.filter_hz is not None:
         estimate = now["acceleration"] + loop.smoothing * (estimate - now["acceleration"])
         nxt["acceleration"] = estimate
-    nxt["tde"] = reported - estimate
-    for name, value in zip((name for name in names if name.startswith("command-")), commands, strict=False):
-        nxt[name] = value
+    paired = reported
+    if loop.averages_torque:
+        paired = 0.5 * (reported + now["report"])
+    nxt |= {"angle": read, "rate": speed, "report": reported, "tde": paired - estimate}
     rows = np.concatenate([nxt[name] for name in names], axis=-2)
-    return ClosedLoop(rows[..., :size], rows[..., size : size + n], rows[..., size + n :], blocks)
+    found = {name: rows[..., where] for name, where in columns.items()}
+    return ClosedLoop(
+        rows[..., :size], found.pop("load"), found.pop("extra"), blocks, found, np.asarray(drive[..., :size])
+    )
+
+
+def _state_names(loop: SampledLoop, sensed: bool) -> list[str]:
+    """What the state is made of: readings are states where they are not those of the true q and v."""
+    apart = sensed or loop.reading_delay > 0.0
+    names = ["q", "v", "tde"]
+    names += ["angle"] if apart else []
+    names += ["rate"] if apart or loop.velocity == "difference" else []
+    same = loop.velocity == "difference" and loop.velocity_filter_hz is None  # the rate is the slope
+    names += ["slope"] if loop.acceleration == "position" and not same else []
+    names += ["acceleration"] if loop.filter_hz is not None else []
+    names += ["report"] if loop.averages_torque else []
+    names += [f"command-{i}" for i in range(1, math.ceil(loop.delay) + 1)]
+    return names + [f"{of}-{i}" for i in range(1, math.ceil(loop.reading_delay) + 1) for of in "qv"]
+
+
+def _readings(loop: SampledLoop, nxt: dict[str, Array]) -> tuple[Array, Array]:
+    """Angle and velocity `reading_delay` periods ago, as the plant's sensors have them.
+
+    Between two ticks by the cubic through both angles and velocities there.
+    """
+    whole = math.floor(loop.reading_delay)
+    rest = loop.reading_delay - whole
+    q1, v1 = (nxt[name if whole == 0 else f"{name}-{whole}"] for name in "qv")
+    if not rest:
+        return q1, v1
+    q0, v0 = (nxt[f"{name}-{whole + 1}"] for name in "qv")
+    x = 1.0 - rest
+    angle = rest**2 * (1.0 + 2.0 * x) * q0 + x**2 * (1.0 + 2.0 * rest) * q1
+    return angle + loop.period * x * rest * (rest * v0 - x * v1), rest * v0 + x * v1
 
 
 def _advance(step: Transition, now: dict[str, Array], recent: Array, older: Array, load: Array) -> dict[str, Array]:

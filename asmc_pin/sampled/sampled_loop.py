@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike
 from asmc_pin._typing import Array
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Acceleration as Acceleration
+from asmc_pin.words.choices import Pairing as Pairing
+from asmc_pin.words.choices import Velocity as Velocity
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,12 @@ class SampledLoop:
             (q_k − 2q_{k−1} + q_{k−2})/L².
         filter_hz: Corner of the first-order low-pass on that estimate, Hz; None for no filter.
         delay: Transport delay of the torque in periods, fractions allowed: a command of t_k acts from t_k + delay·L on.
+        velocity: How the drives make v: "measured" by itself, or the "difference" of two readings of the angle,
+            (q_k − q_{k−1})/L.
+        velocity_filter_hz: Corner of a first-order low-pass on that difference, Hz; None for no filter.
+        reading_delay: Age of the readings of q and v when the law gets them, periods, fractions allowed.
+        pairing: The torque that goes with the estimate: "last", "mean" of the last two, or the "matched" one: the mean
+            where the estimate is a second difference of readings.
 
     Raises:
         ParameterError: a value has a wrong size, sign, or is not finite.
@@ -40,6 +48,10 @@ class SampledLoop:
     acceleration: Acceleration = "velocity"
     filter_hz: float | None = None
     delay: float = 0.0
+    velocity: Velocity = "measured"
+    velocity_filter_hz: float | None = None
+    reading_delay: float = 0.0
+    pairing: Pairing = "matched"
     nv: int = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -50,13 +62,19 @@ class SampledLoop:
             object.__setattr__(self, name, positive_per_joint(name, getattr(self, name), mbar.size, unit))
         if not (_is_number(self.period) and self.period > 0.0):
             raise ParameterError("period", f"got {self.period!r}; expected a positive time in s, such as 0.001")
-        if self.acceleration not in get_args(Acceleration):
-            known = " or ".join(map(repr, get_args(Acceleration)))
-            raise ParameterError("acceleration", f"got {self.acceleration!r}; expected {known}")
-        if self.filter_hz is not None and not (_is_number(self.filter_hz) and self.filter_hz > 0.0):
-            raise ParameterError("filter_hz", f"got {self.filter_hz!r}; expected a positive frequency in Hz, or none")
-        if not (_is_number(self.delay) and self.delay >= 0.0):
-            raise ParameterError("delay", f"got {self.delay!r}; expected a number of periods, 0 or more")
+        for name, words in (("acceleration", Acceleration), ("velocity", Velocity), ("pairing", Pairing)):
+            if getattr(self, name) not in get_args(words):
+                known = " or ".join(map(repr, get_args(words)))
+                raise ParameterError(name, f"got {getattr(self, name)!r}; expected {known}")
+        for name in ("filter_hz", "velocity_filter_hz"):
+            corner = getattr(self, name)
+            if corner is not None and not (_is_number(corner) and corner > 0.0):
+                raise ParameterError(name, f"got {corner!r}; expected a positive frequency in Hz, or none")
+        if self.velocity_filter_hz is not None and self.velocity == "measured":
+            raise ParameterError("velocity_filter_hz", "is for a velocity by difference; this one is measured")
+        for name in ("delay", "reading_delay"):
+            if not (_is_number(getattr(self, name)) and getattr(self, name) >= 0.0):
+                raise ParameterError(name, f"got {getattr(self, name)!r}; expected a number of periods, 0 or more")
 
     def words(self) -> str:
         """All of it for a person to read."""
@@ -69,8 +87,16 @@ class SampledLoop:
             f"M̄ = {listed(self.mbar)} kg·m², K_s = {listed(self.ks)} 1/s, β = {beta} 1/s, L = {self.period:g} s, "
             f"acceleration from {self.acceleration}"
             + ("" if self.filter_hz is None else f" through a filter of {self.filter_hz:g} Hz")
-            + f", delay {self.delay:g} periods ({1e3 * self.delay * self.period:.3g} ms)"
+            + f" {self._sensor_words()}, delay {self.delay:g} periods ({1e3 * self.delay * self.period:.3g} ms)"
         )
+
+    def _sensor_words(self) -> str:
+        """How v is made and what torque goes with the estimate."""
+        made = "measured" if self.velocity == "measured" else "a difference of angles"
+        corner = "" if self.velocity_filter_hz is None else f" through a filter of {self.velocity_filter_hz:g} Hz"
+        late = f", readings {self.reading_delay:g} periods old" if self.reading_delay else ""
+        torques = "the mean of the last two torques" if self.averages_torque else "the last torque"
+        return f"paired with {torques}, v {made}{corner}{late}"
 
     def scaled(self, *, mbar: float = 1.0, ks: float = 1.0, beta: float = 1.0, period: float = 1.0) -> SampledLoop:
         """The same loop with values multiplied by factors."""
@@ -87,11 +113,32 @@ class SampledLoop:
         return self.ks * self.beta
 
     @property
+    def averages_torque(self) -> bool:
+        """Whether the mean of the last two torques goes with the estimate."""
+        return self.pairing == "mean" or (self.pairing == "matched" and self.differences_twice)
+
+    @property
+    def differences_twice(self) -> bool:
+        """Whether the estimate of q̈(t−L) is a second difference of readings: a mean over two periods."""
+        return self.acceleration == "position" or self.velocity == "difference"
+
+    @property
+    def torque_age(self) -> float:
+        """Age of the torque that a new one starts from, middle of its time to middle of its time, in periods.
+
+        1 + d, and ½ more for the mean of two.
+        """
+        return 1.0 + self.delay + (0.5 if self.averages_torque else 0.0)
+
+    @property
+    def velocity_smoothing(self) -> float:
+        """Share of the newest difference in the velocity, as `smoothing`."""
+        return _share(self.velocity_filter_hz, self.period)
+
+    @property
     def smoothing(self) -> float:
         """Share of the newest estimate in one step of the filter, 1 − exp(−2πfL); 1 without filter."""
-        if self.filter_hz is None:
-            return 1.0
-        return -math.expm1(-2.0 * math.pi * self.filter_hz * self.period)
+        return _share(self.filter_hz, self.period)
 
     @property
     def modal(self) -> bool:
@@ -115,6 +162,10 @@ def positive_per_joint(name: str, value: ArrayLike, nv: int, unit: str) -> Array
         raise ParameterError(name, f"got {spread.tolist()}; every value must be finite and positive ({unit})")
     spread.flags.writeable = False
     return spread
+
+
+def _share(corner: float | None, period: float) -> float:
+    return 1.0 if corner is None else -math.expm1(-2.0 * math.pi * corner * period)
 
 
 def _is_number(value: object) -> bool:

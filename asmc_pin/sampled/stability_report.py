@@ -17,7 +17,9 @@ from asmc_pin.condition.premises import ends_of, premises_of
 from asmc_pin.errors import ParameterError
 from asmc_pin.sampled.loop_limits import LoopLimits, limits_of
 from asmc_pin.sampled.remedies import remedy
-from asmc_pin.sampled.sampled_loop import Acceleration, SampledLoop, positive_per_joint
+from asmc_pin.sampled.sampled_loop import Acceleration, Pairing, SampledLoop, positive_per_joint
+from asmc_pin.sampled.sensor_model import LoopSensor
+from asmc_pin.sampled.sensor_noise import NOISE_KEYS, LoopNoise, loop_noise
 from asmc_pin.sampled.workspace_worst import Workspace, workspace_of
 from asmc_pin.words.shown import Cells, Shown
 from asmc_pin.words.text import printable
@@ -44,6 +46,7 @@ class StabilityReport(Shown):
         remedy: What to do where it is unstable, the same as before a run; empty where it is stable.
         configurations: How many were tried.
         seconds: Wall time.
+        noise: What the sensors' noise makes of torque and error; None if no noise was named.
     """
 
     about: Premises
@@ -58,6 +61,7 @@ class StabilityReport(Shown):
     configurations: int
     seconds: float
     remedy: str = ""
+    noise: LoopNoise | None = None
 
     @property
     def arm(self) -> str:
@@ -97,6 +101,11 @@ class StabilityReport(Shown):
             "acceleration": loop.acceleration,
             "filter_hz": loop.filter_hz,
             "delay": loop.delay,
+            "velocity": loop.velocity,
+            "velocity_filter_hz": loop.velocity_filter_hz,
+            "reading_delay": loop.reading_delay,
+            "pairing": "mean" if loop.averages_torque else "last",
+            **(dict.fromkeys(NOISE_KEYS) if self.noise is None else self.noise.to_json_dict()),
             "verdict": self.verdict,
             "kind": "sampled",
             "spectral_radius": self.spectral_radius,
@@ -143,7 +152,7 @@ class StabilityReport(Shown):
             text.append(self.remedy)
         if self.limits is not None:
             text += _limit_lines(self.loop, self.limits)
-        return text
+        return text + ([] if self.noise is None else self.noise.lines(self.loop))
 
     def table(self) -> Cells:
         """The loop and the worst configurations, joint by joint."""
@@ -165,6 +174,8 @@ def stability(
     acceleration: Acceleration = "velocity",
     filter_hz: float | None = None,
     delay: float = 0.0,
+    sensor: LoopSensor | None = None,
+    pairing: Pairing = "matched",
     viscous: ArrayLike | None = None,
     box: BoxLike = None,
     samples: int = 2048,
@@ -182,6 +193,9 @@ def stability(
         acceleration: Estimate of q̈(t−L): "velocity" or "position".
         filter_hz: Low-pass on it, Hz.
         delay: Transport delay of the torque, periods; see docs/stability.md.
+        sensor: How v is made, and the noise of what the drives report; see `loop_sensor`. v is measured, and nothing is
+            off, by default.
+        pairing: Torque that goes with the estimate; see `SampledLoop`.
         viscous: Viscous friction that is counted on, a scalar or nv values, N·m·s/rad; none by default, to be careful.
         box: Joint box; the arm's own by default.
         samples: Number of configurations before the local search.
@@ -193,7 +207,11 @@ def stability(
         ArmError: the box is not finite.
     """
     clock = Clock()
-    loop = loop_for(arm, mbar, ks, beta, period, acceleration=acceleration, filter_hz=filter_hz, delay=delay)
+    timing = {} if sensor is None else sensor.timing
+    loop = loop_for(
+        arm, mbar, ks, beta, period, acceleration=acceleration, filter_hz=filter_hz, delay=delay, pairing=pairing,
+        **timing,
+    )  # fmt: skip
     friction = None if viscous is None else _viscous(viscous, arm.nv)
     workspace = workspace_of(arm, asked_box(arm, box), samples=samples, seed=seed, viscous=friction)
     radius, q, tried = workspace.worst(loop)
@@ -213,7 +231,17 @@ def stability(
         configurations=tried + more,
         remedy="" if stable else remedy([arm], loop, viscous=friction, box=box),
         seconds=clock.seconds(),
+        noise=noise_at_rest(workspace, loop, sensor),
     )
+
+
+def noise_at_rest(workspace: Workspace, loop: SampledLoop, sensor: LoopSensor | None) -> LoopNoise | None:
+    """The sensors' noise in the loop, with gravity if it acts; None if nothing that they report is off."""
+    if sensor is None or not sensor.noisy:
+        return None
+    arm, box, count = workspace.arm, (workspace.box.lower, workspace.box.upper), len(workspace.q)
+    heavy = bool(np.any(arm.gravity_vector))
+    return loop_noise(workspace_of(arm, box, samples=count, gravity=heavy, viscous=workspace.viscous), loop, sensor)
 
 
 def loop_for(arm: Arm, mbar: ArrayLike, ks: ArrayLike, beta: ArrayLike, period: float, **timing: Any) -> SampledLoop:

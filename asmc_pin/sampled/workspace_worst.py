@@ -60,12 +60,16 @@ class Workspace:
         """∂g/∂q at the samples, shape (samples, nv, nv); None where gravity is left out."""
         return gravity_stiffness(self.arm, self.q) if self.gravity else None
 
+    def frozen(self, q: Array) -> tuple[Array, Array | None]:
+        """M, (count, nv, nv), and ∂g/∂q where gravity counts, at configurations (count, nv)."""
+        return self.arm.mass_matrix(q), gravity_stiffness(self.arm, q) if self.gravity else None
+
     def radii(self, loop: SampledLoop, q: Array | None = None) -> Array:
         """Spectral radius of the loop frozen at configurations (count, nv), or at the samples; shape (count,)."""
         if q is None:
             return spectral_radius(self.mass, loop, viscous=self.viscous, stiffness=self.stiffness)
-        stiffness = gravity_stiffness(self.arm, q) if self.gravity else None
-        return spectral_radius(self.arm.mass_matrix(q), loop, viscous=self.viscous, stiffness=stiffness)
+        mass, stiffness = self.frozen(q)
+        return spectral_radius(mass, loop, viscous=self.viscous, stiffness=stiffness)
 
     def worst(self, loop: SampledLoop) -> tuple[float, Array, int]:
         """Largest radius found, its configuration (nv,), and the number of configurations tried."""

@@ -18,6 +18,8 @@ from asmc_pin.experiment import Experiment
 from asmc_pin.plant import MovingArm, Plant
 from asmc_pin.references import check_reference
 from asmc_pin.sampled.gain_warnings import gain_warnings
+from asmc_pin.sampled.noise_warnings import noise_warnings
+from asmc_pin.study.plant_sensor import sensor_of_plant
 from asmc_pin.words.remedy_texts import MBAR_REMEDY
 
 
@@ -183,9 +185,16 @@ def before_the_run(
             f"‖I − M⁻¹M̄‖₂ = {worst.upper:.4g} at t = {worst.worst_time:.3f} s{several}; {MBAR_REMEDY}"
         )
     delay = plant.drive.delay if plant.drive is not None else 0.0
+    sensor = sensor_of_plant(plant)
     viscous = friction.viscous * (1.0 if plant.spread is None else min(1.0, plant.spread.least_friction))
     arms = {item.words: item.arm for item in moving}
-    return lines + gain_warnings(arms, laws, experiment.period, delay=delay, viscous=viscous)
+    lines += gain_warnings(arms, laws, experiment.period, delay=delay, sensor=sensor, viscous=viscous)
+    weakest = np.atleast_2d(
+        np.broadcast_to(plant.effort_limit, np.broadcast_shapes(np.shape(plant.effort_limit), (plant.nv,)))
+    )
+    return lines + noise_warnings(
+        plant.arm, laws, sensor, experiment.period, delay=delay, effort_limit=weakest.min(axis=0)
+    )
 
 
 def after_the_run(rollouts: Mapping[str, Rollout]) -> list[str]:

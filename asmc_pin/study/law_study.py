@@ -58,8 +58,8 @@ def own_parameters(experiment: Experiment, label: str) -> dict[str, float | list
     shared = parameters_of(TdeLaw)
     table = {**experiment.defaults, **experiment.controllers[label]}
     own = {n: table[n] for n, p in parameters_of(type(law)).items() if n not in shared and p.default is REQUIRED}
-    # A range of ratios around 0 is none.
-    return {name: value for name, value in own.items() if np.all(np.asarray(value) > 0.0)}
+    # A range of ratios around 0 is none, nor is one around a word.
+    return {name: value for name, value in own.items() if not isinstance(value, str) and np.all(np.asarray(value) > 0)}
 
 
 class LawStudy:

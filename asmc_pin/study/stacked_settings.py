@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.controllers import PerJoint, Sample, Scalar, Setpoint, TdeLaw, parameters_of
+from asmc_pin.controllers import PerJoint, Sample, Scalar, ScalarOrWord, Setpoint, TdeLaw, parameters_of
 from asmc_pin.errors import ParameterError
 
 
@@ -47,7 +47,7 @@ class Stacked:
                 raise ParameterError("laws", "are of several classes; stack settings of one law")
             if isinstance(item, PerJoint):
                 kept[name] = np.array(values)
-            elif isinstance(item, Scalar) and name != "period":
+            elif name != "period" and (isinstance(item, Scalar) or _numbers(item, values)):
                 kept[name] = np.array(values)[:, None]
             elif any(value != values[0] for value in values):
                 raise ParameterError(name, f"differs between the laws ({values}); only numbers can be stacked")
@@ -64,6 +64,11 @@ class Stacked:
     def step(self, state: Any, sample: Sample, setpoint: Setpoint) -> tuple[Array, Any]:
         """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
         return self._stacked.step(state, sample, setpoint)
+
+
+def _numbers(item: Any, values: list[Any]) -> bool:
+    """Whether a parameter that may be a word is a number in every setting."""
+    return isinstance(item, ScalarOrWord) and not any(isinstance(value, str) for value in values)
 
 
 def _joined(states: list[Any]) -> Any:

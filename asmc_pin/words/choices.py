@@ -10,3 +10,7 @@ Condition: TypeAlias = Literal["lemma1", "weighted"]
 Objective: TypeAlias = Literal["contraction", "bandwidth"]
 Form: TypeAlias = Literal["diagonal", "scalar"]
 Acceleration: TypeAlias = Literal["velocity", "position"]
+Velocity: TypeAlias = Literal["measured", "difference"]
+"""How a drive's velocity is made: measured by itself, or the difference of two readings of the angle."""
+Pairing: TypeAlias = Literal["matched", "last", "mean"]
+"""Which torque goes with an estimate of q̈(t−L): what fits it, that of the last period, the mean of the last two."""

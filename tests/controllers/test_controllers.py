@@ -94,7 +94,21 @@ def test_ppc_with_second_position_difference() -> None:
     # q̈(t−L): (0, 0); second tick with q₋₁ = q₀ − L v₀ = (−0.5, 0): (0.5 − 0 − 0.5, 0.25)/0.25 = (0, 1);
     #          third: (q₂ − 2q₁ + q₀)/L² = (1 − 1 + 0, 0.5 − 0.5 + 0)/0.25 = (0, 0)
     # τ: as above, then (2.5 + 0.5·(−4.5−0), 20 + 2·(6.5−1)), then (−0.25 + 0.5·0, 20 + 2·1)
-    assert torques(Ppc(**SHARED, acceleration="position")) == [[2.5, 25.0], [0.25, 31.0], [-0.25, 22.0]]
+    law = Ppc(**SHARED, acceleration="position", pairing="last")
+    assert torques(law) == [[2.5, 25.0], [0.25, 31.0], [-0.25, 22.0]]
+
+
+def test_second_position_difference_goes_with_the_mean_of_the_last_two_torques() -> None:
+    # Reported: (1, −1), (2.5, 20), (−0.25, 20), and before t = 0 what is held there, so the means are
+    # (1, −1), (1.75, 9.5), (1.125, 20) in the place of these; the rest of τ as with the last torque.
+    expected = [[2.5, 25.0], [-0.5, 20.5], [1.125, 22.0]]
+    assert torques(Ppc(**SHARED, acceleration="position")) == expected
+    assert torques(Ppc(**SHARED, acceleration="position", pairing="mean")) == expected
+
+
+def test_measured_velocities_go_with_the_last_torque_and_the_mean_is_a_choice() -> None:
+    assert torques(Ppc(**SHARED)) == torques(Ppc(**SHARED, pairing="last"))
+    assert torques(Ppc(**SHARED, pairing="mean")) == [[2.5, 25.0], [-1.0, 24.5], [1.625, 20.0]]
 
 
 def test_second_position_difference_is_exact_on_a_parabola_and_ignores_the_measured_velocity() -> None:
@@ -170,6 +184,22 @@ def test_plestan_ticks() -> None:
     # τ_k = M̄ k̂_k sgn(s_k) with the gain of the same tick, sgn(0) = sgn(−0) = +1
     signs = [(1, 1), (1, -1), (1, 1), (1, 1), (1, 1), (1, 1), (1, 1), (-1, -1)]
     assert out == [[0.5 * k * a, 2.0 * k * b] for k, (a, b) in zip(expected, signs, strict=True)]
+
+
+def test_plestan_with_the_authors_epsilon_measures_s_by_what_its_own_gain_moves_in_a_period() -> None:
+    law = Plestan2010(**SHARED, rate=2.0, epsilon="4KL", floor=0.25)  # ε = 4 k̂ L = 2 k̂
+    gains, _ = follow(
+        law,
+        [
+            (3.0, 4.0),  # at the floor: up by L μ                        0.375
+            (0.75, 0.0),  # ‖s‖ = 0.75 = 2·0.375 counts as outside        1.125
+            (2.0, 0.0),  # 2 < 2.25, inside: down by 2, to the floor      0.25
+            (0.0, 9.0),  # at the floor: up by L μ                        0.375
+            (3.0, 4.0),  # up by 5                                        5.375
+            (3.0, 4.0),  # the same s, and inside: 5 < 10.75: down by 5   0.375
+        ],
+    )
+    assert [k for k, _ in gains] == [0.375, 1.125, 0.25, 0.375, 5.375, 0.375]
 
 
 def baek(**changes: object) -> Baek2016:
@@ -264,6 +294,29 @@ def built(name: str, nv: int, **changes: object) -> object:
     return law(**(own | {"mbar": np.linspace(0.1, 0.3, nv), "ks": 3.0, "beta": 2.0, "period": 0.01} | changes))
 
 
+@pytest.mark.parametrize("pairing", ["last", "mean"])
+@pytest.mark.parametrize("acceleration", ["velocity", "position"])
+def test_matched_is_the_pairing_whose_load_estimate_is_exact_under_a_torque_that_changes(
+    acceleration: str, pairing: str
+) -> None:
+    """A mass of 2 kg under a torque that changes from period to period: Γ̂ is (1/m − 1/m̄) times the torque that goes
+    with the estimate, exactly, where the pair fits, and not where it does not."""
+    law = Ppc(mbar=0.5, ks=1.0, beta=1.0, period=0.25, acceleration=acceleration, pairing=pairing)
+    fits = (
+        law.averages_torque == Ppc(mbar=0.5, ks=1.0, beta=1.0, period=0.25, acceleration=acceleration).averages_torque
+    )
+    q, v, state = 0.0, 0.0, law.start(Sample(rows(0.0), rows(0.0), rows(0.0)))
+    past, misses = [0.0, 0.0], []
+    for torque in (0.0, 3.0, -1.0, 4.0, 1.0, -5.0):
+        q, v = q + 0.25 * v + 0.5 * 0.25**2 * torque / 2.0, v + 0.25 * torque / 2.0
+        past = [past[1], torque]
+        state = law.estimate_acceleration(state, Sample(rows(q), rows(v), rows(torque)))
+        paired = 0.5 * sum(past) if law.averages_torque else torque
+        if state.ticks > 2:
+            misses.append(abs(2.0 * state.acceleration.item() - paired))
+    assert (max(misses) < 1e-12) == fits
+
+
 def random_ticks(batch: int, nv: int, ticks: int, seed: int = 0) -> list[tuple[Sample, Setpoint]]:
     rng = np.random.default_rng(seed)
     shape = (ticks, 6, batch, nv)
@@ -276,9 +329,11 @@ def leaves(state: object) -> Iterator[np.ndarray]:
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
-@pytest.mark.parametrize("acceleration", ["velocity", "position"])
-def test_steps_are_pure(name: str, acceleration: str) -> None:
-    law = built(name, 3, acceleration=acceleration, filter_hz=20.0)
+@pytest.mark.parametrize(
+    ("acceleration", "pairing"), [("velocity", "last"), ("velocity", "mean"), ("position", "mean")]
+)
+def test_steps_are_pure(name: str, acceleration: str, pairing: str) -> None:
+    law = built(name, 3, acceleration=acceleration, pairing=pairing, filter_hz=20.0)
     ticks = random_ticks(4, 3, 6)
     state = law.init(ticks[0][0])
     for x, wanted in ticks:
@@ -443,6 +498,9 @@ WRONG = [
     ("plestan2010", "rate", -1.0, r"rate: got -1.0"),
     ("plestan2010", "floor", 0.0, r"floor: got 0.0"),
     ("plestan2010", "epsilon", [1.0, 1.0], r"epsilon: got .* expected one number"),
+    ("plestan2010", "epsilon", "4LK", r"epsilon: got '4LK'; expected one number, above 0 rad/s, or '4KL'"),
+    ("plestan2010", "epsilon", 0.0, r"epsilon: got 0.0; it must be above 0 rad/s"),
+    ("ppc", "pairing", "both", r"pairing: got 'both'; expected one of 'matched', 'last', 'mean'"),
     ("baek2016", "phi", [1.0, -1.0], r"phi: entry 2 is -1.0"),
     ("baek2016", "alpha", 0.0, r"alpha: got 0.0; it must be above 0 rad/s"),
     ("baek2016", "epsilon", math.nan, r"epsilon: got nan"),

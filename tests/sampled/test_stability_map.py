@@ -12,20 +12,35 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from asmc_pin._typing import Array
-from asmc_pin.controllers import CONTROLLERS, Sample, Setpoint, TdeLaw, parameters_of
+from asmc_pin.controllers import CONTROLLERS, Setpoint, TdeLaw, parameters_of
 from asmc_pin.errors import NotPositiveDefinite, ParameterError
+from asmc_pin.plant import Sensor
+from asmc_pin.plant.sensor.sensor_state import Sensing
 from asmc_pin.sampled import SampledLoop, closed_loop, inertia_ratios, modal_radius, spectral_radius
-from asmc_pin.words.choices import Acceleration
+from asmc_pin.words.choices import Acceleration, Pairing
 
 MASS = np.array([[0.7, 0.2, 0.05], [0.2, 0.3, 0.04], [0.05, 0.04, 0.09]])
 MBAR = np.array([0.15, 0.1, 0.04])
 KS = np.array([12.0, 20.0, 31.0])
-TIMINGS = [
+TIMINGS: list[dict] = [
     {"acceleration": acceleration, "filter_hz": filter_hz, "delay": delay}
     for acceleration in get_args(Acceleration)
     for filter_hz in (None, 35.0)
     for delay in (0.0, 0.35, 1.0, 2.6)
 ]
+SENSED: list[dict] = [
+    {"pairing": "mean"},
+    {"acceleration": "position", "pairing": "last", "delay": 1.4},
+    {"velocity": "difference"},
+    {"velocity": "difference", "pairing": "last", "filter_hz": 35.0},
+    {"velocity": "difference", "acceleration": "position", "delay": 1.0},
+    {"velocity": "difference", "velocity_filter_hz": 60.0},
+    {"velocity": "difference", "velocity_filter_hz": 60.0, "acceleration": "position", "filter_hz": 35.0},
+    {"reading_delay": 1.0},
+    {"reading_delay": 0.4, "velocity": "difference", "delay": 0.6},
+    {"reading_delay": 2.3, "acceleration": "position", "filter_hz": 90.0},
+]
+TIMINGS += SENSED
 
 
 def drive_the_real_controller(
@@ -41,6 +56,7 @@ def drive_the_real_controller(
     law = CONTROLLERS["ppc"](
         mbar=loop.mbar, ks=loop.ks, beta=float(loop.beta[0]), period=loop.period,
         acceleration=loop.acceleration, filter_hz=loop.filter_hz,
+        pairing="mean" if loop.averages_torque else "last",
     )  # fmt: skip
     damping = np.zeros((n, n)) if viscous is None else np.diag(viscous)
     spring = np.zeros((n, n)) if stiffness is None else stiffness
@@ -54,12 +70,18 @@ def drive_the_real_controller(
     history = [np.zeros(n)] * (int(whole) + 2)
     q, v, reported = np.array([0.01, -0.02, 0.015]), np.array([0.1, 0.05, -0.2]), np.zeros(n)
     zero = Setpoint(np.zeros((1, n)), np.zeros((1, n)), np.zeros((1, n)))
-    sample = Sample(q[None], v[None], reported[None])
-    state = law.init(sample)
+    # The sensor is the plant's own; before t = 0 it takes the joints to have moved at v(0).
+    made = {"measured": "exact", "difference": "difference" if loop.velocity_filter_hz is None else "filter"}
+    corner = {} if loop.velocity_filter_hz is None else {"filter_hz": loop.velocity_filter_hz}
+    sensor = Sensor(velocity=made[loop.velocity], delay=loop.reading_delay, **corner)
+    sensing = Sensing(sensor, np.ones(()), q[None], v[None], loop.period, 0, [0])
+    state = None
     seen = []
     for _ in range(ticks):
         seen.append(np.concatenate([q, v]))
-        torque, state = law.step(state, Sample(q[None], v[None], reported[None]), zero)
+        sample = sensing.read(q[None], v[None], reported[None])
+        state = law.init(sample) if state is None else state
+        torque, state = law.step(state, sample, zero)
         history = [torque[0], *history[:-1]]
         recent, older = history[int(whole)], history[int(whole) + 1]
         for piece, acting in zip(pieces, (older, recent), strict=True):
@@ -81,9 +103,12 @@ def test_map_is_the_controller_on_a_constant_inertia_tick_by_tick(timing: dict, 
     system = closed_loop(MASS, loop, viscous=viscous, stiffness=stiffness)
     z = np.zeros(system.matrix.shape[-1])
     # At t = 0 the controller takes the past as unaccelerated motion at v(0) and the drive holds no torque.
-    z[system.blocks["q"]], z[system.blocks["v"]] = q[0], v[0]
-    if "slope" in system.blocks:
-        z[system.blocks["slope"]] = v[0]
+    for name, where in system.blocks.items():
+        base, _, age = name.partition("-")
+        if base in ("v", "rate", "slope"):
+            z[where] = v[0]
+        elif base == "angle" or base == "q":
+            z[where] = q[0] - (loop.reading_delay if base == "angle" else float(age or 0)) * loop.period * v[0]
     for k in range(60):
         np.testing.assert_allclose(z[system.blocks["q"]], q[k], rtol=1e-9, atol=1e-13)
         np.testing.assert_allclose(z[system.blocks["v"]], v[k], rtol=1e-9, atol=1e-11)
@@ -104,6 +129,30 @@ def test_large_mbar_is_unstable_from_53() -> None:
     assert radius(52.6) < 1.0 < radius(52.7)
 
 
+UNPAIRED = {"acceleration": "position", "pairing": "last"}
+DIFFERENCED = {"velocity": "difference"}
+
+
+@pytest.mark.parametrize(
+    ("timing", "large", "small"),
+    [
+        ({}, 0.9888, 0.9994),
+        (UNPAIRED, 1.0071, 0.9994),
+        ({"acceleration": "position"}, 0.9803, 1.0009),
+        (DIFFERENCED | {"pairing": "last"}, 1.0075, 0.9995),
+        (DIFFERENCED, 0.9824, 1.0009),
+        (DIFFERENCED | UNPAIRED, 1.0075, 0.9995),
+    ],
+    ids=str,
+)
+def test_the_mean_of_two_torques_is_the_price_of_differences_at_small_a_and_their_cure_at_large_a(
+    timing: dict, large: float, small: float
+) -> None:
+    loop = SampledLoop(1.0, 20.0, 20.0, 0.001, **timing)
+    radius = modal_radius(np.array([1.95, 0.0114]), loop)
+    np.testing.assert_allclose(radius, [large, small], atol=6e-5)
+
+
 @settings(max_examples=120, deadline=None)
 @given(a=st.floats(0.003, 2.2), beta=st.floats(0.5, 400.0), ks=st.floats(0.5, 400.0), period=st.floats(0.0005, 0.004))
 def test_closed_form_of_the_plain_loop(a: float, beta: float, ks: float, period: float) -> None:
@@ -117,6 +166,7 @@ def test_closed_form_of_the_plain_loop(a: float, beta: float, ks: float, period:
 
 def test_the_map_knows_the_estimates_that_the_laws_have() -> None:
     assert get_args(Acceleration) == parameters_of(TdeLaw)["acceleration"].options
+    assert get_args(Pairing) == parameters_of(TdeLaw)["pairing"].options
     with pytest.raises(ParameterError, match="expected 'velocity' or 'position'"):
         SampledLoop(MBAR, 18.0, 25.0, 0.002, acceleration="sometimes")  # type: ignore[arg-type]
 

@@ -13,7 +13,7 @@ from asmc_pin._typing import Array
 from asmc_pin.arms import Arm, load_arm
 from asmc_pin.controllers import CONTROLLERS, Setpoint
 from asmc_pin.engine import rollout
-from asmc_pin.plant import Drive, Friction, Plant
+from asmc_pin.plant import Drive, Friction, Plant, Sensor
 from asmc_pin.sampled import SampledLoop, closed_loop
 from asmc_pin.sampled.workspace_worst import gravity_stiffness
 
@@ -49,10 +49,12 @@ def grows(arm: Arm, q: Array, loop: SampledLoop, seconds: float) -> bool:
     """Whether a run that starts a microradian away from its set-point is further away later on than earlier."""
     law = CONTROLLERS["ppc"](
         mbar=loop.mbar, ks=loop.ks, beta=float(loop.beta[0]), period=loop.period,
-        acceleration=loop.acceleration, filter_hz=loop.filter_hz,
+        acceleration=loop.acceleration, filter_hz=loop.filter_hz, pairing="mean" if loop.averages_torque else "last",
     )  # fmt: skip
     drive = Drive(delay=loop.delay)
-    plant = Plant(arm, friction=Friction(0.0, 0.0), effort_limit=np.full(arm.nv, np.inf), drive=drive)
+    sensor = Sensor(velocity="exact" if loop.velocity == "measured" else "difference", delay=loop.reading_delay)
+    free = {"friction": Friction(0.0, 0.0), "effort_limit": np.full(arm.nv, np.inf)}
+    plant = Plant(arm, **free, drive=drive, sensor=sensor)
     run = rollout(plant, law, Hold(q), seconds, q0=q + 1e-6)
     if run.status[0] == "diverged":
         return True
@@ -93,6 +95,10 @@ def predicted_boundary(arm: Arm, q: Array, loop: SampledLoop, low: float, high: 
         (0.05, {"acceleration": "position", "filter_hz": 200.0}),
         (0.3, {"delay": 0.6}),
         (0.3, {"delay": 3.0}),
+        (0.3, {"acceleration": "position", "pairing": "last"}),
+        (0.3, {"velocity": "difference"}),
+        (1.9, {"velocity": "difference"}),
+        (0.3, {"velocity": "difference", "pairing": "last", "reading_delay": 1.0}),
     ],
     ids=str,
 )

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from asmc_pin import rollout
-from asmc_pin.controllers import CONTROLLERS, REQUIRED, PerJoint, Scalar, TdeLaw, parameters_of
+from asmc_pin.controllers import CONTROLLERS, REQUIRED, PerJoint, Scalar, ScalarOrWord, TdeLaw, parameters_of
 from asmc_pin.errors import ExperimentError, ParameterError, ResultError
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
@@ -162,7 +163,7 @@ def settings_of(name):
     own = {key: item for key, item in parameters_of(law).items() if key not in shared}
     base = {"mbar": [0.07, 0.12], "period": 0.004}
     first = {key: 0.4 for key, item in own.items() if item.default is REQUIRED}
-    second = {key: 0.7 for key, item in own.items() if isinstance(item, (PerJoint, Scalar))}
+    second = {key: 0.7 for key, item in own.items() if isinstance(item, (PerJoint, Scalar, ScalarOrWord))}
     return law(**base, ks=20.0, beta=20.0, **first), law(**base, ks=10.0, beta=15.0, **second)
 
 
@@ -178,6 +179,16 @@ def test_a_stacked_setting_runs_as_it_would_alone(name):
         assert np.array_equal(both.torque[trial], alone.torque[0])
         assert np.array_equal(both.gain[trial], alone.gain[0], equal_nan=True)
     assert not np.array_equal(both.torque[0], both.torque[1])
+
+
+def test_laws_with_a_rule_for_epsilon_are_stacked_among_themselves_and_not_with_those_with_a_number():
+    law, other = (replace(x, epsilon="4KL") for x in settings_of("plestan2010"))
+    item = experiment()
+    both = rollout(item.build_plant(), Stacked([law, other], 2), item.build_reference(), 0.5, batch=2)
+    alone = rollout(item.build_plant(), other, item.build_reference(), 0.5)
+    assert np.array_equal(both.gain[1], alone.gain[0])
+    with pytest.raises(ParameterError, match="only numbers can be stacked"):
+        Stacked([law, settings_of("plestan2010")[0]], 2)
 
 
 def test_laws_that_differ_in_kind_are_not_stacked():

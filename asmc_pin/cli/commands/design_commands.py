@@ -31,6 +31,17 @@ from asmc_pin.cli.options import (
     parse_box,
     per_joint,
 )
+from asmc_pin.cli.sensor_options import (
+    EncoderBitsOption,
+    EncoderSideOption,
+    GearOption,
+    PairingOption,
+    TorqueNoiseOption,
+    VelocityFilterOption,
+    VelocityNoiseOption,
+    VelocityOption,
+    sensor_of,
+)
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Acceleration, Form, Objective
 
@@ -144,6 +155,14 @@ def stability(
     acceleration: AccelerationOption = "velocity",
     filter_hz: FilterOption = None,
     delay: DelayOption = 0.0,
+    velocity: VelocityOption = None,
+    velocity_filter_hz: VelocityFilterOption = None,
+    pairing: PairingOption = "matched",
+    encoder_bits: EncoderBitsOption = None,
+    encoder_side: EncoderSideOption = "joint",
+    gear: GearOption = None,
+    velocity_noise: VelocityNoiseOption = None,
+    torque_noise: TorqueNoiseOption = None,
     box: BoxOption = None,
     payload: PayloadOption = None,
     armature: ArmatureOption = None,
@@ -153,9 +172,14 @@ def stability(
         str | None,
         typer.Option(metavar="DIR", help="Draw the stable region, over β and k_s and over L, into this folder."),
     ] = None,
+    report: Annotated[
+        str | None,
+        typer.Option("--report", metavar="FILE", help="Write a page: how slow may it run? .html or .md."),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Analyse the sampled loop, frozen over the workspace. Exit status 1 when it is unstable somewhere."""
+    page = report_path(report)
     values, slopes, ranges = per_joint(mbar, "--mbar"), per_joint(ks, "--ks"), parse_box(box)
     rate, length = number(beta, "--beta"), number(period, "--period")
     loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
@@ -163,9 +187,19 @@ def stability(
         raise ParameterError(
             f"--{next(iter(domain))}", "one value expected here, not a range: a frozen loop is not affine in it"
         )
+    sensor = sensor_of(
+        loaded.nv,
+        velocity=velocity,
+        velocity_filter_hz=velocity_filter_hz,
+        encoder_bits=encoder_bits,
+        encoder_side=encoder_side,
+        gear=gear,
+        velocity_noise=velocity_noise,
+        torque_noise=torque_noise,
+    )
     from asmc_pin.sampled import stability as run
 
-    report = run(
+    found = run(
         loaded,
         values,
         slopes,
@@ -174,15 +208,22 @@ def stability(
         acceleration=acceleration,
         filter_hz=filter_hz,
         delay=delay,
+        sensor=sensor,
+        pairing=pairing,
         box=ranges,
     )
     if figures is not None:
         from asmc_pin.pages.stability_figures import save_figures
 
-        for path in save_figures(loaded, report.loop, figures, box=ranges):
+        for path in save_figures(loaded, found.loop, figures, box=ranges):
             note(f"wrote {path}")
+    if page is not None:
+        from asmc_pin.pages.stability_page import write_stability_page
+
+        write_stability_page(found, loaded, page, sensor=sensor, box=ranges)
+        note(f"report: {page}")
     if as_json:
-        print_json(report.to_json_dict())
+        print_json(found.to_json_dict())
     else:
-        say(*report.lines())
-    raise typer.Exit(0 if report.stable else 1)
+        say(*found.lines())
+    raise typer.Exit(0 if found.stable else 1)

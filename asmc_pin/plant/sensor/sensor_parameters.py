@@ -10,6 +10,7 @@ from asmc_pin._typing import Array
 from asmc_pin.errors import ParameterError
 from asmc_pin.parameters import Choice, OptionalPerJoint, PerJoint, Scalar
 from asmc_pin.plant.per_trial import row, sized
+from asmc_pin.words.encoder_counts import encoder_count
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -74,5 +75,5 @@ class Sensor:
             nv: Number of joints.
             gear: Turns of the motor per turn of the joint, shape () or (nv,).
         """
-        size = row(self.resolution, nv, 0.0) if self.bits is None else 2.0 * np.pi / 2.0 ** row(self.bits, nv, 0.0)
+        size = row(self.resolution, nv, 0.0) if self.bits is None else encoder_count(row(self.bits, nv, 0.0))
         return size / gear if self.side == "motor" else size

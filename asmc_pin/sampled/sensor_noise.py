@@ -1,0 +1,291 @@
+r"""Noise of the sensors in torque and error, by the linear map of the sampled loop. Derived in docs/stability.md.
+
+White noise n of covariance Q enters z_{k+1} = F z_k + S n_{k+1}; the covariance of z is the X with X = F X Fᵀ + S Q Sᵀ,
+and with it that of the torque M̄Uz and of the error. A reading that is rounded to counts Δ has, where the joint crosses
+counts every period, an error like white noise of variance Δ²/12. Where it does not, all that is known is that the error
+is at most Δ/2: then no more than Δ/2 · Σ|impulse response| comes of it, in whatever order the roundings come.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from asmc_pin._typing import Array, BoolArray
+from asmc_pin.sampled.linear_map import ClosedLoop, closed_loop
+from asmc_pin.sampled.sampled_loop import SampledLoop
+from asmc_pin.sampled.sensor_model import LoopSensor
+from asmc_pin.sampled.workspace_worst import Workspace
+
+_SAMPLES = 128
+_FINEST = 0.02  # of a joint's range: a variance is flat about its maximum
+_DOUBLINGS = 26  # 2**26 ticks: loops that take longer to forget count as unstable
+_BLOCK = 64  # ticks
+_BLOCKS = 4096
+_BOUNDED_AT = 8
+
+
+@dataclass(frozen=True, eq=False)
+class LoopNoise:
+    """What the sensors' noise makes of torque and error, the worst that was found, joint by joint.
+
+    Attributes:
+        sensor: The sensors.
+        count_torque: See `count_torque`, shape (nv,), N·m; None without encoders.
+        share: Share of it that filters let through at once.
+        torque_rms: RMS of the commanded torque about its mean, shape (nv,), N·m; inf for an unstable loop. Rounding
+            counts as noise, as where counts are crossed every period.
+        error_rms: RMS of the error q_d − q, shape (nv,), rad (m).
+        torque_bound: Largest torque that rounding alone can cause anywhere, at rest too, shape (nv,), N·m; None without
+            encoders.
+        error_bound: Largest error likewise, rad (m).
+        worst_q: Points of the workspace at which the RMS of each joint's torque is largest, (nv, …).
+        configurations: Points tried.
+    """
+
+    sensor: LoopSensor
+    count_torque: Array | None
+    share: float
+    torque_rms: Array
+    error_rms: Array
+    torque_bound: Array | None
+    error_bound: Array | None
+    worst_q: Array
+    configurations: int
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """Every figure by name; undefined ones are None."""
+        return {
+            "count_torque": _listed(self.count_torque),
+            "torque_noise_rms": _listed(self.torque_rms),
+            "error_noise_rms": _listed(self.error_rms),
+            "torque_noise_bound": _listed(self.torque_bound),
+            "error_noise_bound": _listed(self.error_bound),
+            "encoder_count": _listed(self.sensor.count if self.sensor.count.any() else None),
+            "velocity_noise": _listed(self.sensor.rate_noise),
+            "reported_torque_noise": _listed(self.sensor.torque_noise),
+        }
+
+    def lines(self, loop: SampledLoop) -> list[str]:
+        """The findings in plain words."""
+        text = []
+        if self.count_torque is not None:
+            text.append(count_line(self.count_torque, self.share, loop))
+        if not np.isfinite(self.torque_rms).all():
+            return [*text, "noise: none that is stationary, for the loop is unstable"]
+        speed = self.sensor.count / loop.period
+        where = f" where counts are crossed every period, above {_numbers(speed)} rad/s" if speed.any() else ""
+        text.append(
+            f"noise{where}: torque RMS to {_numbers(self.torque_rms)} N·m, error RMS to "
+            f"{_numbers(np.rad2deg(self.error_rms))} deg, the worst of {self.configurations} configurations"
+        )
+        if self.torque_bound is not None and self.error_bound is not None:
+            text.append(
+                f"at any speed rounding moves the torque by {_numbers(self.torque_bound)} N·m at most and the error by "
+                f"{_numbers(np.rad2deg(self.error_bound))} deg, where the noise is worst"
+            )
+        return text
+
+
+NOISE_KEYS = (
+    "count_torque", "torque_noise_rms", "error_noise_rms", "torque_noise_bound", "error_noise_bound",
+    "encoder_count", "velocity_noise", "reported_torque_noise",
+)  # fmt: skip
+"""Keys of `LoopNoise.to_json_dict`, null in a report that was not asked for noise."""
+
+
+def count_torque(loop: SampledLoop, count: Array) -> Array:
+    """Torque that one count of the encoder is worth, shape (nv,), N·m.
+
+    m̄ Δq/L² where q̈(t−L) is a second difference of readings. Where v is measured and so is differenced once, a count is
+    only seen by the feedback of the angle: m̄ β k_s Δq.
+
+    Args:
+        loop: Gains and timing.
+        count: Δq at the joint, shape (nv,), rad (m).
+    """
+    per_angle = 1.0 / loop.period**2 if loop.differences_twice else loop.kp
+    return np.asarray(loop.mbar * count * per_angle)
+
+
+def count_formula(loop: SampledLoop) -> str:
+    """The same as a formula."""
+    return "m̄ Δq/L²" if loop.differences_twice else "m̄ β k_s Δq"
+
+
+def filtered_share(loop: SampledLoop) -> float:
+    """Share of `count_torque` that filters let through in the period of the count."""
+    if not loop.differences_twice:
+        return 1.0
+    return loop.smoothing * (loop.velocity_smoothing if loop.acceleration == "velocity" else 1.0)
+
+
+def count_line(torque: Array, share: float, loop: SampledLoop) -> str:
+    """What one count is worth, in words."""
+    through = "" if share == 1.0 else f", of which the filter lets {100.0 * share:.3g} % through at once"
+    return f"one count of the encoder is worth {count_formula(loop)} = {_numbers(torque)} N·m of torque{through}"
+
+
+def noise_rms(
+    mass: Array,
+    loop: SampledLoop,
+    sensor: LoopSensor,
+    *,
+    viscous: Array | None = None,
+    stiffness: Array | None = None,
+) -> tuple[Array, Array]:
+    """RMS of torque and error under the sensors' noise, rounding taken as noise of variance Δ²/12.
+
+    Args:
+        mass: M, shape (..., nv, nv), kg·m².
+        loop: Gains and timing.
+        sensor: The sensors.
+        viscous: Viscous friction, shape (nv,), N·m·s/rad.
+        stiffness: ∂g/∂q, shape (..., nv, nv), N·m/rad.
+
+    Returns:
+        RMS of the commanded torque, N·m, and of the error, rad, each of shape (..., nv); inf for an unstable loop.
+    """
+    system = closed_loop(mass, loop, viscous=viscous, stiffness=stiffness, sensed=True)
+    variance = {
+        "angle": sensor.angle_noise**2 + sensor.count**2 / 12.0,
+        "rate": sensor.rate_noise**2,
+        "report": (sensor.torque_noise / loop.mbar) ** 2,
+    }
+    entered = np.concatenate([system.sensed[name] * np.sqrt(size) for name, size in variance.items()], axis=-1)
+    covariance, settled = stationary_covariance(system.matrix, entered @ np.swapaxes(entered, -1, -2))
+    torque = np.einsum("...ij,...jk,...ik->...i", system.drive, covariance, system.drive)
+    error = np.diagonal(covariance, axis1=-2, axis2=-1)[..., system.blocks["q"]]
+    torque_rms, error_rms = loop.mbar * np.sqrt(np.maximum(torque, 0.0)), np.sqrt(np.maximum(error, 0.0))
+    known = settled[..., None]
+    return np.where(known, torque_rms, np.inf), np.where(known, error_rms, np.inf)
+
+
+def stationary_covariance(matrix: Array, entered: Array) -> tuple[Array, BoolArray]:
+    """X = F X Fᵀ + W by doubling: X ← X + F X Fᵀ, then F ← F².
+
+    A sum of terms that are not negative, so it keeps its digits where poles are near 1 and the state mixes rad with
+    rad/s²; scipy's ``solve_discrete_lyapunov`` loses 4 % on a UR5 at 4 kHz there, and goes matrix by matrix.
+
+    Args:
+        matrix: F, shape (..., N, N).
+        entered: W, symmetric and not negative, shape (..., N, N).
+
+    Returns:
+        X, shape (..., N, N), and whether it settled, shape (...); it does not for a spectral radius of 1 or more.
+    """
+    power, total = matrix, entered
+    settled = np.zeros(matrix.shape[:-2], dtype=np.bool_)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _ in range(_DOUBLINGS):
+            more = power @ total @ np.swapaxes(power, -1, -2)
+            total = total + more
+            size = np.abs(np.diagonal(total, axis1=-2, axis2=-1))
+            new = np.abs(np.diagonal(more, axis1=-2, axis2=-1))
+            settled = np.asarray((new <= 1e-12 * size).all(axis=-1) & np.isfinite(size).all(axis=-1))
+            if (settled | ~np.isfinite(size).all(axis=-1)).all():
+                break
+            power = power @ power
+    return total, settled
+
+
+def rounding_bound(
+    mass: Array,
+    loop: SampledLoop,
+    count: Array,
+    *,
+    viscous: Array | None = None,
+    stiffness: Array | None = None,
+) -> tuple[Array, Array]:
+    """Largest torque and error that rounding can cause: half a count times Σ|impulse response|, over all joints.
+
+    Args:
+        mass: M, shape (..., nv, nv), kg·m².
+        loop: Gains and timing.
+        count: Δq at the joint, shape (nv,), rad (m).
+        viscous: As of `noise_rms`.
+        stiffness: As of `noise_rms`.
+
+    Returns:
+        Torque, N·m, and error, rad, each of shape (..., nv); inf for a loop that does not forget within 262144 ticks.
+    """
+    system = closed_loop(mass, loop, viscous=viscous, stiffness=stiffness, sensed=True)
+    seen, leap = _outputs_over_a_block(system, loop)
+    state = system.sensed["angle"] * (0.5 * count)
+    total = np.zeros((*seen.shape[:-2], 2 * loop.nv))
+    for _ in range(_BLOCKS):
+        response = np.abs(seen @ state).sum(axis=-1)
+        added = response.reshape(*response.shape[:-1], _BLOCK, 2 * loop.nv).sum(axis=-2)
+        total += added
+        if (added <= 1e-9 * total).all() or not np.isfinite(total).all():
+            break
+        state = leap @ state
+    total = np.where(added <= 1e-6 * total, total, np.inf)
+    return total[..., : loop.nv], total[..., loop.nv :]
+
+
+def _outputs_over_a_block(system: ClosedLoop, loop: SampledLoop) -> tuple[Array, Array]:
+    """Rows that give torque and error at each tick of a block from the state at its beginning, and F over a block."""
+    size = system.matrix.shape[-1]
+    error = np.broadcast_to(np.eye(size)[system.blocks["q"]], system.drive.shape)
+    rows = np.concatenate([loop.mbar[:, None] * system.drive, error], axis=-2)
+    stacked = []
+    for _ in range(_BLOCK):
+        stacked.append(rows)
+        rows = rows @ system.matrix
+    return np.concatenate(stacked, axis=-2), np.linalg.matrix_power(system.matrix, _BLOCK)
+
+
+def loop_noise(workspace: Workspace, loop: SampledLoop, sensor: LoopSensor, *, quick: bool = False) -> LoopNoise:
+    """The sensors' noise in torque and error, each joint's the worst over a workspace.
+
+    Args:
+        workspace: Where the arm works; about rest under gravity, if that acts.
+        loop: Gains and timing; how v is made there, too.
+        sensor: The sensors.
+        quick: Whether the worst of a few samples is enough, and bounds are not needed.
+    """
+    space = workspace.thinned(_SAMPLES, _FINEST)
+
+    def figures(points: Array) -> Array:
+        """Torque and error of every joint, shape (count, 2nv)."""
+        mass, stiffness = space.frozen(points)
+        rms = noise_rms(mass, loop, sensor, viscous=space.viscous, stiffness=stiffness)
+        return np.concatenate(rms, axis=-1)
+
+    at_samples = figures(space.q)
+    worst, points, tried = at_samples.max(axis=0), space.q[at_samples.argmax(axis=0)], len(space.q)
+    if np.isfinite(worst).all() and not quick:
+        climbs = [
+            space.maximise(lambda q, i=i: figures(q)[:, i], at_samples[:, i])  # type: ignore[misc]
+            for i in range(2 * loop.nv)
+        ]
+        worst, points = np.array([value for value, _, _ in climbs]), np.array([point for _, point, _ in climbs])
+        tried += sum(more - len(space.q) for _, _, more in climbs)
+    rounded = bool(sensor.count.any())
+    bounds: tuple[Array | None, Array | None] = (None, None)
+    if rounded and np.isfinite(worst).all() and not quick:
+        mass, stiffness = space.frozen(np.concatenate([points, space.q[:_BOUNDED_AT]]))
+        torque, error = rounding_bound(mass, loop, sensor.count, viscous=space.viscous, stiffness=stiffness)
+        bounds = torque.max(axis=0), error.max(axis=0)
+    return LoopNoise(
+        sensor=sensor,
+        count_torque=count_torque(loop, sensor.count) if rounded else None,
+        share=filtered_share(loop),
+        torque_rms=worst[: loop.nv],
+        error_rms=worst[loop.nv :],
+        torque_bound=bounds[0],
+        error_bound=bounds[1],
+        worst_q=points[: loop.nv],
+        configurations=tried,
+    )
+
+
+def _listed(values: Array | None) -> list[float] | None:
+    return values.tolist() if values is not None and np.isfinite(values).all() else None
+
+
+def _numbers(values: Array) -> str:
+    return "(" + ", ".join(f"{value:.3g}" for value in values) + ")"
