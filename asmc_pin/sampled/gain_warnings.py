@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.domain.joint_box import BoxLike
-from asmc_pin.sampled.loop_limits import largest_gain_scale
+
 from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.sampled.stability_report import loop_for
 from asmc_pin.sampled.workspace_worst import Workspace, workspace_of

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -11,50 +12,89 @@ from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
-from asmc_pin.condition.domain.joint_box import BoxLike, asked_box
+from asmc_pin.condition.domain.arm_ranges import ArmatureRange, LockChoices, PayloadRange
+from asmc_pin.condition.domain.joint_box import BoxLike
 from asmc_pin.condition.hypotheses import Premises
-from asmc_pin.condition.premises import ends_of, premises_of
+from asmc_pin.condition.premises import worst_keys
 from asmc_pin.errors import ParameterError
-from asmc_pin.sampled.loop_limits import LoopLimits, limits_of
+from asmc_pin.sampled.critical_points import critical_set
+from asmc_pin.sampled.frozen_arms import FrozenArms, frozen_arms
+from asmc_pin.sampled.loop_limits import DELAY_SPAN, LoopLimits, limits_of
+from asmc_pin.sampled.remedies import remedy
 from asmc_pin.sampled.sampled_loop import Acceleration, SampledLoop, positive_per_joint
 from asmc_pin.sampled.workspace_worst import Workspace, workspace_of
 from asmc_pin.words.shown import Cells, Shown
-from asmc_pin.words.text import printable
+from asmc_pin.words.text import printable, rounded_down, rounded_up
 from asmc_pin.words.units import check_delay, check_period
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
 
 
+@dataclass(frozen=True, eq=False)
+class WorstFound:
+    """The worst that a search found of a loop.
+
+    Attributes:
+        radius: Spectral radius.
+        q: Where, shape (nv,), rad.
+        where: Which payload, armature and locked joints of the ranges, as the keys of ``--json``.
+        said: The same for a person to read; empty without ranges.
+    """
+
+    radius: float
+    q: Array
+    where: dict[str, Any]
+    said: str
+
+
 @dataclass(frozen=True, repr=False)
 class StabilityReport(Shown):
-    """What was found about a sampled loop; by search, so that "stable" means that no configuration tried is unstable.
+    """What was found about a sampled loop; by search, so that "stable" means that nothing tried is unstable.
 
     Attributes:
         about: What the verdict is about: arm, armature, payload, locked joints, box.
         gravity: Acceleration of gravity in the base frame, shape (3,), m/s².
         loop: Gains and timing.
-        spectral_radius: Largest one found over the workspace, M held at M(q), no other force.
-        worst_q: Where, shape (nv,), rad.
-        rest_radius: The same for the linearisation about rest, where gravity acts as a spring of either sign.
-        rest_q: Where, shape (nv,), rad.
+        bare: The worst with M held at M(q), no other force.
+        rest: The worst of the linearisation about rest, where gravity acts as a spring of either sign.
         ratios: Smallest and largest eigenvalue of M⁻¹M̄ found.
         limits: Largest gains and period, and margins; None if not asked for.
-        configurations: How many were tried.
+        remedy: What would make an unstable loop stable; empty for a stable one, or if limits were not asked for.
+        configurations: How many were tried for the verdict.
         seconds: Wall time.
     """
 
     about: Premises
     gravity: Array
     loop: SampledLoop
-    spectral_radius: float
-    worst_q: Array
-    rest_radius: float
-    rest_q: Array
+    bare: WorstFound
+    rest: WorstFound
     ratios: tuple[float, float]
     limits: LoopLimits | None
+    remedy: str
     configurations: int
     seconds: float
+
+    @property
+    def spectral_radius(self) -> float:
+        """Largest one found with M alone."""
+        return self.bare.radius
+
+    @property
+    def worst_q(self) -> Array:
+        """Where, shape (nv,), rad."""
+        return self.bare.q
+
+    @property
+    def rest_radius(self) -> float:
+        """Largest one found at rest under gravity."""
+        return self.rest.radius
+
+    @property
+    def rest_q(self) -> Array:
+        """Where, shape (nv,), rad."""
+        return self.rest.q
 
     @property
     def arm(self) -> str:
@@ -73,7 +113,7 @@ class StabilityReport(Shown):
 
     @property
     def verdict(self) -> Literal["stable", "unstable"]:
-        """The verdict in a word."""
+        """The verdict in a word; "stable" where searched."""
         return "stable" if self.stable else "unstable"
 
     @property
@@ -95,12 +135,14 @@ class StabilityReport(Shown):
             "filter_hz": loop.filter_hz,
             "delay": loop.delay,
             "verdict": self.verdict,
-            "kind": "sampled",
+            "kind": "searched",
             "spectral_radius": self.spectral_radius,
             "worst_q": self.worst_q.tolist(),
             "decay_rate": self.decay_rate,
             "rest_spectral_radius": self.rest_radius,
             "rest_worst_q": self.rest_q.tolist(),
+            **self.bare.where,
+            **{f"rest_{name}": value for name, value in self.rest.where.items()},
             "mbar_ratio_min": self.ratios[0],
             "mbar_ratio_max": self.ratios[1],
             "configurations": self.configurations,
@@ -108,6 +150,7 @@ class StabilityReport(Shown):
         }
         if limits is not None:
             result |= {
+                "gain_scale_min": limits.gain_range[0],
                 "gain_scale_max": _finite(limits.gain_scale),
                 "beta_max": _spread(loop.beta, limits.beta_scale),
                 "ks_scale_max": _finite(limits.ks_scale),
@@ -117,28 +160,29 @@ class StabilityReport(Shown):
                 "gain_margin_db": [_finite(end) for end in limits.gain_margin_db],
                 "delay_margin_periods": _finite(limits.delay_margin),
                 "delay_margin_seconds": _finite(limits.delay_margin * loop.period),
+                "delay_searched_periods": DELAY_SPAN,
+                "remedy": self.remedy or None,
             }
         return result
 
     def lines(self) -> list[str]:
         """The report in plain words: the verdict, what it is about, and a line per finding."""
+        found = "stable where searched" if self.stable else "UNSTABLE"
         text = [
-            f"{self.about.title}: the sampled loop is {self.verdict.upper()} ({self.configurations} configurations "
-            "searched)",
+            f"{self.about.title}: the sampled loop is {found} ({self.configurations} configurations; a "
+            "search refutes, it proves nothing)",
             *self.about.lines(),
             f"Gravity: ({', '.join(f'{x:g}' for x in self.gravity)}) m/s² in the base frame",
             f"Loop: {self.loop.words()}",
-            f"spectral radius {self.spectral_radius:.6f}, worst at q = {_angles(self.worst_q)} rad",
+            f"spectral radius {self.spectral_radius:.6f}, worst at q = {angles(self.worst_q)} rad{self.bare.said}",
             f"slowest decay there {self.decay_rate:.3g} 1/s; eigenvalues of M⁻¹M̄ over the workspace "
             f"{self.ratios[0]:.4g} to {self.ratios[1]:.4g}",
-            f"at rest under gravity: {self.rest_radius:.6f}, worst at q = {_angles(self.rest_q)} rad",
+            f"at rest under gravity: {self.rest_radius:.6f}, worst at q = {angles(self.rest_q)} rad{self.rest.said}",
         ]
         if self.rest_radius >= 1.0 > self.spectral_radius:
-            text.append(
-                "unstable through gravity: the arm falls faster than the torque estimate follows; raise β, K_s or M̄"
-            )
+            text.append("unstable through gravity: the arm falls faster than the torque estimate follows")
         if self.limits is not None:
-            text += _limit_lines(self.loop, self.limits)
+            text += _limit_lines(self.loop, self.limits) if self.stable else [f"remedy: {self.remedy}"]
         return text
 
     def table(self) -> Cells:
@@ -163,11 +207,14 @@ def stability(
     delay: float = 0.0,
     viscous: ArrayLike | None = None,
     box: BoxLike = None,
+    payload: PayloadRange = None,
+    armature: ArmatureRange = None,
+    lock: LockChoices = None,
     samples: int = 2048,
     seed: int = 0,
     limits: bool = True,
 ) -> StabilityReport:
-    """Analyse the sampled loop (7) on an arm, frozen over its workspace.
+    """Analyse the sampled loop (7) on an arm, frozen over its workspace and over ranges.
 
     Args:
         arm: The arm.
@@ -180,6 +227,9 @@ def stability(
         delay: Transport delay of the torque, periods; see docs/stability.md.
         viscous: Viscous friction that is counted on, a scalar or nv values, N·m·s/rad; none by default, to be careful.
         box: Joint box; the arm's own by default.
+        payload: As for `verify`: one, or the ends of a range.
+        armature: As for `verify`.
+        lock: As for `verify`.
         samples: Number of configurations before the local search.
         seed: Of the samples.
         limits: Whether to look for largest gains and margins too, which takes most of the time.
@@ -188,26 +238,66 @@ def stability(
         ParameterError: a value has a wrong size, sign, or is not finite.
         ArmError: the box is not finite.
     """
-    clock = Clock()
     loop = loop_for(arm, mbar, ks, beta, period, acceleration=acceleration, filter_hz=filter_hz, delay=delay)
     friction = None if viscous is None else _viscous(viscous, arm.nv)
-    workspace = workspace_of(arm, asked_box(arm, box), samples=samples, seed=seed, viscous=friction)
-    radius, q, tried = workspace.worst(loop)
-    rest_radius, rest_q, more = at_rest(workspace, loop, samples=samples, seed=seed)
-    (low, _), (high, _) = workspace.ratio_range(loop.mbar)
+    arms = frozen_arms(arm, box, payload=payload, armature=armature, lock=lock)
+    return examine(spaces_of(arms, samples=samples, seed=seed, viscous=friction), loop, limits=limits)
+
+
+def examine(
+    spaces: tuple[Workspace, ...], loop: SampledLoop, *, limits: bool, known: Sequence[Array] = ()
+) -> StabilityReport:
+    """The report on a loop.
+
+    Args:
+        spaces: See `spaces_of`.
+        loop: Gains and timing.
+        limits: Whether to look for largest gains and margins too.
+        known: Points that have decided about loops of this kind.
+    """
+    clock = Clock()
+    arms = spaces[0].arms
+    (radius, point, tried), *more = [space.worst(loop) for space in spaces]
+    rest_radius, rest_point, rest_tried = more[0] if more else (radius, point, 0)
+    (low, _), (high, _) = spaces[0].ratio_range(loop.mbar)
+    found, advice = None, ""
+    if limits:
+        critical = critical_set(spaces, loop, [rest_point, point, *known])
+        found = limits_of(critical, loop)
+        advice = remedy(critical, loop, found.gain_range) if max(radius, rest_radius) >= 1.0 else ""
     return StabilityReport(
-        about=premises_of([arm], [ends_of(workspace.box)], (arm.armature, arm.armature)),
-        gravity=arm.gravity_vector,
+        about=arms.about,
+        gravity=arms.arm.gravity_vector,
         loop=loop,
-        spectral_radius=radius,
-        worst_q=q,
-        rest_radius=rest_radius,
-        rest_q=rest_q,
+        bare=_found(arms, radius, point),
+        rest=_found(arms, rest_radius, rest_point),
         ratios=(low, high),
-        limits=limits_of(workspace, loop, q) if limits else None,
-        configurations=tried + more,
+        limits=found,
+        remedy=advice,
+        configurations=tried + rest_tried,
         seconds=clock.seconds(),
     )
+
+
+def spaces_of(arms: FrozenArms, *, samples: int, seed: int, viscous: Array | None = None) -> tuple[Workspace, ...]:
+    """What a verdict and the margins are looked for on: the inertia alone and, where gravity acts, the arms at rest."""
+    return tuple(
+        workspace_of(arms, samples=samples, seed=seed, gravity=gravity, viscous=viscous)
+        for gravity in (False, True)[: 1 + arms.heavy]
+    )
+
+
+def _found(arms: FrozenArms, radius: float, point: Array) -> WorstFound:
+    about = arms.about
+    where = worst_keys(about, arms.arm_of(point), arms.armature(point))
+    said = []
+    if about.payload is not None and isinstance(about.payload.mass, tuple):
+        said.append(f"payload {where['worst_payload']['mass']:.3g} kg")
+    if any(isinstance(value, tuple) for value in about.armature):
+        said.append(f"armature {angles(arms.armature(point))} kg·m²")
+    if "worst_locked" in where:
+        said.append(", ".join(f"{printable(name)} at {angle:g}" for name, angle in where["worst_locked"].items()))
+    return WorstFound(radius, arms.q(point), where, f" ({', '.join(said)})" if said else "")
 
 
 def loop_for(arm: Arm, mbar: ArrayLike, ks: ArrayLike, beta: ArrayLike, period: float, **timing: Any) -> SampledLoop:
@@ -222,15 +312,6 @@ def loop_for(arm: Arm, mbar: ArrayLike, ks: ArrayLike, beta: ArrayLike, period: 
     return loop
 
 
-def at_rest(workspace: Workspace, loop: SampledLoop, *, samples: int, seed: int) -> tuple[float, Array, int]:
-    """Largest radius about rest under gravity, where, and how many configurations were tried for it."""
-    arm, box = workspace.arm, (workspace.box.lower, workspace.box.upper)
-    if not np.any(arm.gravity_vector):
-        radius, q, _ = workspace.worst(loop)
-        return radius, q, 0
-    return workspace_of(arm, box, samples=samples, seed=seed, gravity=True, viscous=workspace.viscous).worst(loop)
-
-
 def _viscous(value: ArrayLike, nv: int) -> Array:
     try:
         friction = np.array(np.broadcast_to(np.asarray(value, dtype=np.float64), (nv,)))
@@ -242,30 +323,42 @@ def _viscous(value: ArrayLike, nv: int) -> Array:
 
 
 def _limit_lines(loop: SampledLoop, limits: LoopLimits) -> list[str]:
-    if limits.gain_scale == 0.0:
-        return ["no β and K_s are stable with this M̄, the torque estimate diverges by itself: scale M̄ down"]
-    low, high = limits.gain_margin
     beta = _spread(loop.beta, limits.beta_scale)
-    margins = (
-        "no margins: it is unstable as it is"
-        if math.isnan(low)
-        else f"margins: torque gain {low:.3g} to {high:.3g}, extra delay {limits.delay_margin:.3g} periods "
-        f"({1e3 * limits.delay_margin * loop.period:.3g} ms)"
-    )
-    alone = f", β alone to {beta:.4g}, K_s alone by {_times(limits.ks_scale)}" if isinstance(beta, float) else ""
+    low, high = limits.gain_range
+    alone = f", β alone to {rounded_down(beta, 4)}, K_s alone by {_times(limits.ks_scale)}"
+    down = f"down to {rounded_up(low, 4)} times" if low > 0.0 else "down to nothing"
     return [
-        f"by inertia alone: at L = {loop.period:g} s, β and K_s may grow by {_times(limits.gain_scale)}{alone}",
-        f"by inertia alone, with these gains: L may be up to {limits.period:.4g} s",
-        margins,
+        f"at L = {loop.period:g} s, β and K_s may grow together by {_times(high)}"
+        + (alone if isinstance(beta, float) else "")
+        + f", and shrink together {down}",
+        f"with these gains L may be up to {rounded_down(limits.period, 4)} s",
+        f"margins: {margin_words(limits.gain_margin, limits.delay_margin, loop.period)}",
     ]
 
 
-def _angles(q: Array) -> str:
-    return "(" + ", ".join(f"{angle:.3f}" for angle in q) + ")"
+def margin_words(gain: tuple[float, float], delay: float, period: float) -> str:
+    """Margins for a person to read, rounded to the safe side."""
+    low, high = gain
+    least = rounded_up(low, 3) if low > 0.0 else "any fraction"
+    most = rounded_down(high, 3) if math.isfinite(high) else "any factor"
+    return f"torque gain {least} to {most}, extra delay {delay_words(delay, period)}"
+
+
+def delay_words(delay: float, period: float) -> str:
+    """A delay margin for a person to read, rounded to the safe side."""
+    if math.isinf(delay):
+        return f"more than {DELAY_SPAN:g} periods (where the search ends)"
+    periods = rounded_down(delay, 3) if delay > 0.0 else "0"
+    return f"{periods} periods ({1e3 * float(periods) * period:.3g} ms)"
+
+
+def angles(q: Array) -> str:
+    """Values joint by joint, in a sentence."""
+    return "(" + ", ".join(f"{angle:.3f}" if angle == 0.0 or abs(angle) >= 0.01 else f"{angle:.3g}" for angle in q) + ")"
 
 
 def _times(scale: float) -> str:
-    return "any factor" if math.isinf(scale) else f"a factor of {scale:.4g}"
+    return "any factor" if math.isinf(scale) else f"a factor of {rounded_down(scale, 4)}"
 
 
 def _finite(value: float) -> float | None:
