@@ -96,8 +96,11 @@ if TYPE_CHECKING:
     from asmc_pin.sampled import SampledLoop as SampledLoop
     from asmc_pin.sampled import StabilityReport as StabilityReport
     from asmc_pin.sampled import stability as stability
-    from asmc_pin.sampled.gains import GainDesign as GainDesign
+    from asmc_pin.sampled.gain_design import ExpectedErrors as ExpectedErrors
+    from asmc_pin.sampled.gain_design import GainDesign as GainDesign
+    from asmc_pin.sampled.gain_search import Margins as Margins
     from asmc_pin.sampled.gains import suggest_gains as suggest_gains
+    from asmc_pin.sampled.stability_report import WorstFound as WorstFound
     from asmc_pin.study import Comparison as Comparison
     from asmc_pin.study import compare as compare
     from asmc_pin.study.comparison_notes import Lemma1Range as Lemma1Range
@@ -133,7 +136,10 @@ _HOME = {
     "Experiment": "experiment",
     "ExperimentError": "errors",
     "Friction": "plant",
-    "GainDesign": "sampled.gains",
+    "GainDesign": "sampled.gain_design",
+    "ExpectedErrors": "sampled.gain_design",
+    "Margins": "sampled.gain_search",
+    "WorstFound": "sampled.stability_report",
     "Hypotheses": "condition.hypotheses",
     "Lemma1Range": "study.comparison_notes",
     "LimitViolation": "engine",
@@ -244,6 +250,9 @@ __all__ = [  # noqa: RUF022 - grouped as a reader looks for them
     "LoopLimits",
     "stability",
     "GainDesign",
+    "ExpectedErrors",
+    "Margins",
+    "WorstFound",
     "suggest_gains",
     # Laws
     "CONTROLLERS",

@@ -94,7 +94,8 @@ def critical_set(spaces: tuple[Workspace, ...], loop: SampledLoop, known: list[A
     for space in spaces:
         weight = space.points[0, -1]
         points += [np.append(point[:-1], weight) for point in (slow, fast)]
-        points += [space.points[int(space.radii(loop.scaled(ks=x, beta=x)).argmax())] for x in _FACTORS]
+        some = space.thinned(2 * _THIN)
+        points += [some.points[int(some.radii(loop.scaled(ks=x, beta=x)).argmax())] for x in _FACTORS]
     return Critical(spaces, arms.wrap(np.unique(np.array(points), axis=0)))
 
 

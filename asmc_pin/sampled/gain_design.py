@@ -144,8 +144,10 @@ class GainDesign(Shown):
             ]
         reached = margin_words(self.reached.gain, self.reached.delay, self.unit.period)
         said = [
-            f"{title}: β = {self.loop.beta[0]:.6g} 1/s, k_s = {self.loop.ks[0]:.6g} 1/s, with M̄ at "
-            f"{self.mbar_scale:.6g} times the one of the condition, which keeps it",
+            f"{title}: β = {self.loop.beta[0]:.6g} 1/s, k_s = {self.loop.ks[0]:.6g} 1/s, and this M̄, which is "
+            f"{self.mbar_scale:.6g} times the one above and so keeps its condition:"
+            if self.mbar_scale < 1.0
+            else f"{title}: β = {self.loop.beta[0]:.6g} 1/s, k_s = {self.loop.ks[0]:.6g} 1/s, and this M̄:",
             mbar,
             f"margins, at rest under gravity and of the inertia alone, where searched: {reached}",
         ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,15 +10,16 @@ from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.domain.joint_box import BoxLike
-
+from asmc_pin.sampled.frozen_arms import frozen_arms
 from asmc_pin.sampled.sampled_loop import SampledLoop
-from asmc_pin.sampled.stability_report import loop_for
-from asmc_pin.sampled.workspace_worst import Workspace, workspace_of
+from asmc_pin.sampled.stability_report import examine, loop_for, spaces_of
+from asmc_pin.sampled.workspace_worst import Workspace
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
 
 _SAMPLES = 128
+_FULL_SAMPLES = 2048
 _FINEST = 0.01  # of a joint's range
 
 
@@ -35,6 +36,7 @@ def gain_warnings(
     """What a user should know about gains before a run; a quick search, so silence is not a proof.
 
     Every law here contains PPC (7), whose frozen loop is examined over the workspace and about rest under gravity.
+    Where that is unstable, `stability` says what helps, without the friction, and it is said here in its words.
     Inside a boundary layer β acts as β + K/Φ, which is examined too. Switching terms are not linear and are left out.
 
     Args:
@@ -73,49 +75,48 @@ def gain_warnings(
     if not by_loop:
         return []
     friction = None if viscous is None else _counted_on(viscous, arm.nv)
-    free = workspace_of(arm, box, samples=_SAMPLES, seed=seed, viscous=friction).thinned(_SAMPLES, _FINEST)
-    heavy = (
-        workspace_of(arm, box, samples=_SAMPLES, seed=seed, gravity=True, viscous=friction).thinned(_SAMPLES, _FINEST)
-        if np.any(arm.gravity_vector)
-        else None
-    )
-    found = [_about_loop(", ".join(labels), loop, free, heavy) for loop, labels in by_loop.values()]
-    found += [_about_layer(label, loop, free) for label, loop in layers]
+    arms = frozen_arms(arm, box)
+    quick = [
+        space.thinned(_SAMPLES, _FINEST) for space in spaces_of(arms, samples=_SAMPLES, seed=seed, viscous=friction)
+    ]
+
+    def remedy_of(loop: SampledLoop) -> str:
+        # With the samples of `stability`, so that it is the same sentence.
+        return examine(spaces_of(arms, samples=_FULL_SAMPLES, seed=seed), loop, limits=True).remedy
+
+    found = [_about_loop(", ".join(labels), loop, quick, remedy_of) for loop, labels in by_loop.values()]
+    found += [_about_layer(label, loop, quick[0]) for label, loop in layers]
     return [warning for warning in found if warning]
 
 
-def _about_loop(labels: str, loop: SampledLoop, free: Workspace, heavy: Workspace | None) -> str:
-    radius, q, _ = free.worst(loop)
-    if radius >= 1.0:
-        scale = largest_gain_scale(free, loop, q) if loop.modal and free.viscous is None else None
-        advice = (
-            "lower β and K_s"
-            if scale is None
-            else f"it is stable up to {scale:.2g} times these β and K_s"
-            if scale > 0.0
-            else "no β and K_s are stable with this M̄: scale it down"
+def _about_loop(
+    labels: str, loop: SampledLoop, spaces: Sequence[Workspace], remedy_of: Callable[[SampledLoop], str]
+) -> str:
+    for space, at_rest in zip(spaces, (False, True), strict=False):
+        radius, point, _ = space.worst(loop)
+        if radius < 1.0:
+            continue
+        where = f"q = {_angles(space.arms.q(point))} rad"
+        said = (
+            f"{labels}: at rest near {where} gravity drives the sampled loop away from its set-point (spectral radius "
+            f"{radius:.4f} at L = {loop.period:g} s)"
+            if at_rest
+            else f"{labels}: the sampled loop is unstable at {where} (spectral radius {radius:.4f} at "
+            f"L = {loop.period:g} s)"
         )
-        return (
-            f"{labels}: the sampled loop is unstable at q = {_angles(q)} rad (spectral radius {radius:.4f} at "
-            f"L = {loop.period:g} s); {advice}"
-        )
-    if heavy is not None:
-        radius, q, _ = heavy.worst(loop)
-        if radius >= 1.0:
-            return (
-                f"{labels}: at rest near q = {_angles(q)} rad gravity drives the sampled loop away from its set-point "
-                f"(spectral radius {radius:.4f}); raise β, K_s or M̄"
-            )
+        advice = remedy_of(loop)
+        return f"{said}; {advice}" if advice else said
     return ""
 
 
 def _about_layer(label: str, loop: SampledLoop, free: Workspace) -> str:
-    radius, q, _ = free.worst(loop)
+    radius, point, _ = free.worst(loop)
     if radius < 1.0:
         return ""
     return (
         f"{label}: inside its boundary layer, where β acts as β + K/Φ = {_angles(loop.beta)}, the sampled loop is "
-        f"unstable (spectral radius {radius:.4f} at q = {_angles(q)} rad), so expect chatter; widen Φ or lower K"
+        f"unstable (spectral radius {radius:.4f} at q = {_angles(free.arms.q(point))} rad), so expect chatter; widen Φ "
+        "or lower K"
     )
 
 

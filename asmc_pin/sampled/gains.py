@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -88,7 +88,8 @@ def suggest_gains(
     _check("delay_margin", delay_margin, 0.0)
     check_delay(delay_margin, period, "delay_margin")
     asked = Margins((1.0 / gain_margin, float(gain_margin)), float(delay_margin))
-    arms = frozen_arms(arm, box, payload=payload, armature=armature, lock=lock)
+    ranges: dict[str, Any] = {"payload": payload, "armature": armature, "lock": lock}
+    arms = frozen_arms(arm, box, **ranges)
     spaces = spaces_of(arms, samples=samples, seed=seed)
     search = GainSearch(unit, _beginning(spaces, unit), least=0.05 if scale_mbar else 1.0)
     chosen = search.with_margins(asked)
@@ -111,9 +112,7 @@ def suggest_gains(
 
 def _beginning(spaces: tuple[Workspace, ...], unit: SampledLoop) -> Critical:
     """The configurations that decide about loops of very different gains."""
-    begin = [
-        unit.scaled(mbar=scale, beta=beta / unit.period, ks=ks / unit.period) for scale, beta, ks in _BEGINNINGS
-    ]
+    begin = [unit.scaled(mbar=scale, beta=beta / unit.period, ks=ks / unit.period) for scale, beta, ks in _BEGINNINGS]
     known = [space.thinned(512).worst(loop)[1] for space in spaces for loop in begin]
     return critical_set(spaces, begin[0], known)
 
@@ -127,8 +126,12 @@ def _hindrances(critical: Critical, loop: SampledLoop, asked: Margins) -> tuple[
     """Where a loop fails margins, a sentence each."""
     gains = f"with β = {loop.beta[0]:.3g}, k_s = {loop.ks[0]:.3g} 1/s"
     low, high = asked.gain
-    torques = [(f"at {x:.3g} times the torque", loop.scaled(mbar=x)) for x in dict.fromkeys((low, high))]
-    late = [(f"{asked.delay:.3g} periods late", replace(loop, delay=loop.delay + asked.delay))] if asked.delay else []
+    torques = [(f"{x:.3g} times the torque", loop.scaled(mbar=x)) for x in dict.fromkeys((low, high))]
+    late = (
+        [(f"{asked.delay:.3g} periods more delay", replace(loop, delay=loop.delay + asked.delay))]
+        if asked.delay
+        else []
+    )
     said = []
     for how, other in (*torques, *late):
         radius, point = critical.worst(other)
@@ -153,9 +156,7 @@ def _armature(search: GainSearch, asked: Margins) -> Array | None:
     def laden(share: float) -> GainSearch:
         more = share * unit.mbar
         arms = critical.spaces[0].arms
-        heavier = replace(
-            arms, armature_lower=arms.armature_lower + more, armature_upper=arms.armature_upper + more
-        )
+        heavier = replace(arms, armature_lower=arms.armature_lower + more, armature_upper=arms.armature_upper + more)
         spaces = tuple(replace(space, arms=heavier, points=_shifted(space.points, more)) for space in critical.spaces)
         largest = 1.0 + 2.0 * share if search.least < search.largest else search.largest
         return GainSearch(unit, Critical(spaces, _shifted(critical.points, more)), largest, search.least)

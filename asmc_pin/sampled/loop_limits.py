@@ -94,7 +94,7 @@ def margins_of(critical: Critical, loop: SampledLoop) -> tuple[Ends, float]:
 
 
 def gain_grids(loop: SampledLoop) -> tuple[Array, Array]:
-    """Factors on gains, from 1 down to a loop so slow that only M̄ matters, and up to one so fast that none is stable."""
+    """Factors on gains, down to a loop so slow that only M̄ matters, and up to one so fast that none is stable."""
     slowest = float((loop.kp / loop.kd).min())
     down = max(1e-4 / (loop.period * float(loop.kd.max())), 1e-7 / (loop.period * slowest))
     return grid(1.0, min(down, 0.1)), grid(1.0, max(1e4 / (loop.period * float(loop.kd.min())), 10.0))

@@ -325,12 +325,14 @@ def _viscous(value: ArrayLike, nv: int) -> Array:
 def _limit_lines(loop: SampledLoop, limits: LoopLimits) -> list[str]:
     beta = _spread(loop.beta, limits.beta_scale)
     low, high = limits.gain_range
-    alone = f", β alone to {rounded_down(beta, 4)}, K_s alone by {_times(limits.ks_scale)}"
+    alone = (
+        f", β alone to {rounded_down(beta, 4)}, K_s alone by {_times(limits.ks_scale)}"
+        if isinstance(beta, float)
+        else ""
+    )
     down = f"down to {rounded_up(low, 4)} times" if low > 0.0 else "down to nothing"
     return [
-        f"at L = {loop.period:g} s, β and K_s may grow together by {_times(high)}"
-        + (alone if isinstance(beta, float) else "")
-        + f", and shrink together {down}",
+        f"at L = {loop.period:g} s, β and K_s may grow together by {_times(high)}{alone}, and shrink together {down}",
         f"with these gains L may be up to {rounded_down(limits.period, 4)} s",
         f"margins: {margin_words(limits.gain_margin, limits.delay_margin, loop.period)}",
     ]
@@ -354,7 +356,9 @@ def delay_words(delay: float, period: float) -> str:
 
 def angles(q: Array) -> str:
     """Values joint by joint, in a sentence."""
-    return "(" + ", ".join(f"{angle:.3f}" if angle == 0.0 or abs(angle) >= 0.01 else f"{angle:.3g}" for angle in q) + ")"
+    return (
+        "(" + ", ".join(f"{angle:.3f}" if angle == 0.0 or abs(angle) >= 0.01 else f"{angle:.3g}" for angle in q) + ")"
+    )
 
 
 def _times(scale: float) -> str:

@@ -111,8 +111,6 @@ def design(
     if length is not None and gains and found.mbar is not None:
         from asmc_pin.sampled.gains import suggest_gains
 
-        if domain:
-            note("the gains are for the arm as it is, without the ranges")
         suggested = suggest_gains(
             loaded,
             found.mbar,
@@ -124,9 +122,11 @@ def design(
             delay_margin=delay_margin,
             coulomb=losses,
             box=ranges,
+            **domain,
         )
         content["gains"] = suggested.to_json_dict()
-        lines = [*lines, *suggested.lines()]
+        # One M̄ is printed, that of the gains.
+        lines = [*found.lines(with_mbar=False), *suggested.lines()]
     if as_json:
         print_json(content)
     else:
@@ -159,10 +159,6 @@ def stability(
     values, slopes, ranges = per_joint(mbar, "--mbar"), per_joint(ks, "--ks"), parse_box(box)
     rate, length = number(beta, "--beta"), number(period, "--period")
     loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
-    if domain:
-        raise ParameterError(
-            f"--{next(iter(domain))}", "one value expected here, not a range: a frozen loop is not affine in it"
-        )
     from asmc_pin.sampled import stability as run
 
     report = run(
@@ -175,6 +171,7 @@ def stability(
         filter_hz=filter_hz,
         delay=delay,
         box=ranges,
+        **domain,
     )
     if figures is not None:
         from asmc_pin.pages.stability_figures import save_figures
