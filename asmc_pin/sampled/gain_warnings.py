@@ -12,14 +12,13 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.domain.joint_box import BoxLike
 from asmc_pin.sampled.frozen_arms import frozen_arms
 from asmc_pin.sampled.sampled_loop import SampledLoop
-from asmc_pin.sampled.stability_report import examine, loop_for, spaces_of
+from asmc_pin.sampled.stability_report import loop_for, remedy_of, spaces_of
 from asmc_pin.sampled.workspace_worst import Workspace
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
 
 _SAMPLES = 128
-_FULL_SAMPLES = 2048
 _FINEST = 0.01  # of a joint's range
 
 
@@ -80,17 +79,16 @@ def gain_warnings(
         space.thinned(_SAMPLES, _FINEST) for space in spaces_of(arms, samples=_SAMPLES, seed=seed, viscous=friction)
     ]
 
-    def remedy_of(loop: SampledLoop) -> str:
-        # With the samples of `stability`, so that it is the same sentence.
-        return examine(spaces_of(arms, samples=_FULL_SAMPLES, seed=seed), loop, limits=True).remedy
+    def advice(loop: SampledLoop) -> str:
+        return remedy_of(arms, loop, seed=seed)
 
-    found = [_about_loop(", ".join(labels), loop, quick, remedy_of) for loop, labels in by_loop.values()]
+    found = [_about_loop(", ".join(labels), loop, quick, advice) for loop, labels in by_loop.values()]
     found += [_about_layer(label, loop, quick[0]) for label, loop in layers]
     return [warning for warning in found if warning]
 
 
 def _about_loop(
-    labels: str, loop: SampledLoop, spaces: Sequence[Workspace], remedy_of: Callable[[SampledLoop], str]
+    labels: str, loop: SampledLoop, spaces: Sequence[Workspace], advice: Callable[[SampledLoop], str]
 ) -> str:
     for space, at_rest in zip(spaces, (False, True), strict=False):
         radius, point, _ = space.worst(loop)
@@ -104,8 +102,8 @@ def _about_loop(
             else f"{labels}: the sampled loop is unstable at {where} (spectral radius {radius:.4f} at "
             f"L = {loop.period:g} s)"
         )
-        advice = remedy_of(loop)
-        return f"{said}; {advice}" if advice else said
+        helps = advice(loop)
+        return f"{said}; {helps}" if helps else said
     return ""
 
 

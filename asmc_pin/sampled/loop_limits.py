@@ -69,12 +69,12 @@ class LoopLimits:
 
 def limits_of(critical: Critical, loop: SampledLoop) -> LoopLimits:
     """All limits of a loop."""
-    slower, faster = gain_grids(loop)
+    slower, faster = _gain_grids(loop)
     # Beyond a second an arm that falls is past all figures.
     longer = grid(1.0, max(1.0 / loop.period, 10.0))
     gain_margin, delay_margin = margins_of(critical, loop)
     return LoopLimits(
-        gain_range=stable_range(critical, lambda x: loop.scaled(ks=x, beta=x), slower, faster),
+        gain_range=gain_range(critical, loop),
         beta_scale=stable_range(critical, lambda x: loop.scaled(beta=x), slower, faster)[1],
         ks_scale=stable_range(critical, lambda x: loop.scaled(ks=x), slower, faster)[1],
         period=loop.period * stable_range(critical, lambda x: loop.scaled(period=x), slower, longer)[1],
@@ -93,7 +93,12 @@ def margins_of(critical: Critical, loop: SampledLoop) -> tuple[Ends, float]:
     return gain, high if low == 0.0 else 0.0
 
 
-def gain_grids(loop: SampledLoop) -> tuple[Array, Array]:
+def gain_range(critical: Critical, loop: SampledLoop) -> Ends:
+    """The stable range of factors on β and K_s together; see `LoopLimits`."""
+    return stable_range(critical, lambda x: loop.scaled(ks=x, beta=x), *_gain_grids(loop))
+
+
+def _gain_grids(loop: SampledLoop) -> tuple[Array, Array]:
     """Factors on gains, down to a loop so slow that only M̄ matters, and up to one so fast that none is stable."""
     slowest = float((loop.kp / loop.kd).min())
     down = max(1e-4 / (loop.period * float(loop.kd.max())), 1e-7 / (loop.period * slowest))

@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 from asmc_pin.sampled.critical_points import Critical
-from asmc_pin.sampled.loop_limits import NOWHERE, Ends, grid, stable_range
+from asmc_pin.sampled.loop_limits import NOWHERE, Ends, gain_range, grid, stable_range
 from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.words.text import rounded_down, rounded_up
 
 _FURTHEST = 1e4
 
 
-def remedy(critical: Critical, loop: SampledLoop, gains: Ends) -> str:
-    """What a search found that helps.
-
-    Args:
-        critical: What decides about the loop; grows.
-        loop: The unstable loop.
-        gains: The next stable range of factors on β and K_s together; see `LoopLimits.gain_range`.
-    """
+def remedy(critical: Critical, loop: SampledLoop) -> str:
+    """What a search found that helps an unstable loop; `critical` grows."""
+    gains = gain_range(critical, loop)
     if gains != NOWHERE:
         return (
             f"{'lower' if gains[1] <= 1.0 else 'raise'} β and K_s: {_stable(gains)} times these β and K_s with this M̄"

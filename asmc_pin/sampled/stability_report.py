@@ -30,6 +30,9 @@ from asmc_pin.words.units import check_delay, check_period
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
 
+SAMPLES = 2048
+"""Configurations before the local search."""
+
 
 @dataclass(frozen=True, eq=False)
 class WorstFound:
@@ -210,7 +213,7 @@ def stability(
     payload: PayloadRange = None,
     armature: ArmatureRange = None,
     lock: LockChoices = None,
-    samples: int = 2048,
+    samples: int = SAMPLES,
     seed: int = 0,
     limits: bool = True,
 ) -> StabilityReport:
@@ -263,8 +266,9 @@ def examine(
     found, advice = None, ""
     if limits:
         critical = critical_set(spaces, loop, [rest_point, point, *known])
+        # First of all, so that `remedy_of` says the same.
+        advice = remedy(critical, loop) if max(radius, rest_radius) >= 1.0 else ""
         found = limits_of(critical, loop)
-        advice = remedy(critical, loop, found.gain_range) if max(radius, rest_radius) >= 1.0 else ""
     return StabilityReport(
         about=arms.about,
         gravity=arms.arm.gravity_vector,
@@ -277,6 +281,15 @@ def examine(
         configurations=tried + rest_tried,
         seconds=clock.seconds(),
     )
+
+
+def remedy_of(arms: FrozenArms, loop: SampledLoop, *, seed: int = 0) -> str:
+    """What `stability` advises for a loop, without the rest of its report; empty if it finds the loop stable."""
+    spaces = spaces_of(arms, samples=SAMPLES, seed=seed)
+    (radius, point, _), *more = [space.worst(loop) for space in spaces]
+    rest_radius, rest_point, _ = more[0] if more else (radius, point, 0)
+    stable = max(radius, rest_radius) < 1.0
+    return "" if stable else remedy(critical_set(spaces, loop, [rest_point, point]), loop)
 
 
 def spaces_of(arms: FrozenArms, *, samples: int, seed: int, viscous: Array | None = None) -> tuple[Workspace, ...]:
