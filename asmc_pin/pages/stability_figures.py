@@ -18,8 +18,8 @@ from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import ParameterError
 from asmc_pin.sampled.critical_points import critical_set
 from asmc_pin.sampled.frozen_arms import FrozenArms, frozen_arms
+from asmc_pin.sampled.loop_analysis import spaces_of
 from asmc_pin.sampled.sampled_loop import SampledLoop
-from asmc_pin.sampled.stability_report import spaces_of
 from asmc_pin.sampled.workspace_worst import workspace_of
 from asmc_pin.words.media import for_figure
 

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from asmc_pin._typing import Array
 from asmc_pin.condition.domain.joint_box import BoxLike
 from asmc_pin.sampled.frozen_arms import frozen_arms
+from asmc_pin.sampled.loop_analysis import loop_for, remedy_of, spaces_of
 from asmc_pin.sampled.sampled_loop import SampledLoop
-from asmc_pin.sampled.stability_report import loop_for, remedy_of, spaces_of
 from asmc_pin.sampled.workspace_worst import Workspace
 
 if TYPE_CHECKING:

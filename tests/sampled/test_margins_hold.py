@@ -15,8 +15,8 @@ from asmc_pin.sampled.critical_points import Critical, critical_set
 from asmc_pin.sampled.frozen_arms import frozen_arms
 from asmc_pin.sampled.gain_design import GainDesign
 from asmc_pin.sampled.gains import suggest_gains
+from asmc_pin.sampled.loop_analysis import spaces_of
 from asmc_pin.sampled.loop_limits import margins_of
-from asmc_pin.sampled.stability_report import spaces_of
 
 PERIOD = 0.001
 QUICK = ("two_link", "rv4fd", "double_pendulum", "two_dofs")
