@@ -20,7 +20,7 @@ USEFUL = 1.0
 """Slowest k_s that is of use, 1/s: errors die with a time constant of a second."""
 
 _SLACK = 1.003  # the search asks for a little more, so that what is found afterwards is what was asked for
-_SLOWEST = 0.01  # 1/s, of k_s
+_SLOWEST = 0.1  # 1/s, of k_s: what takes longer than ten seconds to die is not controlled
 _SCALES, _BETAS, _SLOPES = 12, 20, 24
 _ROUNDS = 6
 
