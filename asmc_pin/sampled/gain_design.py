@@ -133,7 +133,8 @@ class GainDesign(Shown):
     def lines(self) -> list[str]:
         """The design in plain words, a line per finding."""
         title = f"{self.about.title}, L = {self.unit.period:g} s"
-        asked = margin_words(self.asked.gain, self.asked.delay, self.unit.period)
+        low, high = self.asked.gain
+        asked = f"torque gain {low:.4g} to {high:.4g}, extra delay {self.asked.delay:.4g} periods"
         mbar = "M̄ = " + ",".join(f"{value:.17g}" for value in self.mbar)
         if self.report is None or self.reached is None or self.expected is None:
             return [

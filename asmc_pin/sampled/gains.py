@@ -84,13 +84,14 @@ def suggest_gains(
     Raises:
         ParameterError: a value cannot be used; the message says what to change.
     """
-    unit = loop_for(arm, mbar, 1.0, 1.0, period, acceleration=acceleration, filter_hz=filter_hz, delay=delay)
+    ranges: dict[str, Any] = {"payload": payload, "armature": armature, "lock": lock}
+    arms = frozen_arms(arm, box, **ranges)
+    timing: dict[str, Any] = {"acceleration": acceleration, "filter_hz": filter_hz, "delay": delay}
+    unit = loop_for(arms.arm, mbar, 1.0, 1.0, period, **timing)
     _check("gain_margin", gain_margin, 1.0)
     _check("delay_margin", delay_margin, 0.0)
     check_delay(delay_margin, period, "delay_margin")
     asked = Margins((1.0 / gain_margin, float(gain_margin)), float(delay_margin))
-    ranges: dict[str, Any] = {"payload": payload, "armature": armature, "lock": lock}
-    arms = frozen_arms(arm, box, **ranges)
     spaces = spaces_of(arms, samples=samples, seed=seed)
     search = GainSearch(unit, _beginning(spaces, unit), least=0.05 if scale_mbar else 1.0)
     chosen = search.with_margins(asked)
@@ -101,7 +102,7 @@ def suggest_gains(
         return GainDesign(arms.about, unit, asked, None, None, why, wanted)
     report = examine(spaces, chosen, limits=True, known=list(search.critical.points))
     if coulomb is None:
-        coulomb = arm.friction if arm.friction.any() else 1.0
+        coulomb = arms.arm.friction if arms.arm.friction.any() else 1.0
     expected = _expected(search.critical, spaces[-1], chosen, speed, coulomb)
     design = GainDesign(arms.about, unit, asked, report, expected, (), None)
     if design.met and design.useful:

@@ -74,9 +74,10 @@ def stability(
         ParameterError: a value has a wrong size, sign, or is not finite.
         ArmError: the box is not finite.
     """
-    loop = loop_for(arm, mbar, ks, beta, period, acceleration=acceleration, filter_hz=filter_hz, delay=delay)
-    friction = None if viscous is None else _viscous(viscous, arm.nv)
     arms = frozen_arms(arm, box, payload=payload, armature=armature, lock=lock)
+    timing: dict[str, Any] = {"acceleration": acceleration, "filter_hz": filter_hz, "delay": delay}
+    loop = loop_for(arms.arm, mbar, ks, beta, period, **timing)
+    friction = None if viscous is None else _viscous(viscous, arms.nv)
     return examine(spaces_of(arms, samples=samples, seed=seed, viscous=friction), loop, limits=limits)
 
 

@@ -90,11 +90,11 @@ def test_gains_that_hold_but_are_slow_are_called_of_no_use_and_armature_is_price
 
 
 def test_margins_that_cannot_be_had_are_status_0_with_those_that_can(asmc_pin):
-    options = ("--gains", "--period", "0.001", "--gain-margin", "9")
+    options = ("--gains", "--period", "0.001", "--gain-margin", "30")
     status, out, err = asmc_pin("design", "two_link", *options)
     assert status == 0, err
     assert "M̄ = " in out
-    assert "the margins asked for cannot be had: torque gain 0.112 to 9, extra delay 1 periods" in out
+    assert "the margins asked for cannot be had: torque gain 0.03333 to 30, extra delay 1 periods" in out
     assert "where searched: torque gain" in out
 
 
