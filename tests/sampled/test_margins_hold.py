@@ -60,7 +60,7 @@ def check(name: str, **ranges: object) -> None:
         assert not growing.any(), (edge, points[growing])
     for which in range(3):
         assert critical.worst(moved(gains.loop, edges(gains, 1.002)[which]))[0] > 1.0
-        beyond = (edges(gains, share)[which] for share in (1.1, 1.3, 1.6, 2.0, 3.0))
+        beyond = (edges(gains, share)[which] for share in (1.1, 1.3, 1.6, 2.0, 3.0, 5.0, 10.0, 20.0, 40.0))
         worst = ((edge, *critical.worst(moved(gains.loop, edge))) for edge in beyond)
         edge, radius, point = next(item for item in worst if item[1] > CLEAR)
         seconds = PERIOD * max(1000, round(6.0 / math.log(radius)))
