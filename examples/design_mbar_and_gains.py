@@ -9,4 +9,4 @@ print(found)
 
 gains = asmc_pin.suggest_gains(arm, found.mbar, period=0.001, gain_margin=2.0, delay_margin=1.0)
 print(gains)
-print(f"β = k_s = {gains.loop.beta[0]:.4g} 1/s with M̄ = {gains.loop.mbar}")
+print(f"β = {gains.loop.beta[0]:.4g} 1/s, k_s = {gains.loop.ks[0]:.4g} 1/s with M̄ = {gains.mbar}")

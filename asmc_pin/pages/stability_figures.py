@@ -16,9 +16,11 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.domain.joint_box import BoxLike
 from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import ParameterError
-from asmc_pin.sampled.loop_limits import Critical, critical_set, modes_of
+from asmc_pin.sampled.critical_points import critical_set
+from asmc_pin.sampled.frozen_arms import FrozenArms, frozen_arms
+from asmc_pin.sampled.loop_analysis import spaces_of
 from asmc_pin.sampled.sampled_loop import SampledLoop
-from asmc_pin.sampled.workspace_worst import Workspace, workspace_of
+from asmc_pin.sampled.workspace_worst import workspace_of
 from asmc_pin.words.media import for_figure
 
 if TYPE_CHECKING:
@@ -29,7 +31,6 @@ if TYPE_CHECKING:
 # Blue where errors decay, red where they grow; both readable without colour through the boundary line.
 _COLOURS = LinearSegmentedColormap.from_list("decay", ["#1f4e79", "#9ecae1", "#f7f7f7", "#f4a582", "#b2182b"])
 _POINTS = 32
-_MODES = 12
 
 
 def save_figures(arm: Arm, loop: SampledLoop, folder: str | Path, *, box: BoxLike = None) -> list[Path]:
@@ -70,11 +71,11 @@ def gain_region_figure(arm: Arm, loop: SampledLoop, *, box: BoxLike = None, span
     Returns:
         A figure, not shown and not registered with pyplot.
     """
-    workspace = workspace_of(arm, box, samples=512)
+    arms = frozen_arms(arm, box)
     factors = np.geomspace(1.0 / span, span, _POINTS)
     family = [[loop.scaled(ks=x, beta=y) for x in factors] for y in factors]
     figure, axes = _blank()
-    _region(axes, workspace, loop, factors * loop.ks[0], factors * loop.beta[0], family)
+    _region(axes, arms, loop, factors * loop.ks[0], factors * loop.beta[0], family)
     axes.plot(loop.ks[0], loop.beta[0], "o", color="black", markerfacecolor="white", label="these gains", zorder=3)
     one = bool(np.all(loop.ks == loop.ks[0]))
     axes.set_xlabel("$k_s$ (1/s)" if one else "$k_{s1}$ (1/s), the others in proportion to it")
@@ -96,11 +97,11 @@ def period_region_figure(arm: Arm, loop: SampledLoop, *, box: BoxLike = None, sp
     Returns:
         A figure, not shown and not registered with pyplot.
     """
-    workspace = workspace_of(arm, box, samples=512)
+    arms = frozen_arms(arm, box)
     factors = np.geomspace(1.0 / span, span, _POINTS)
     family = [[loop.scaled(period=x, ks=y, beta=y) for x in factors] for y in factors]
     figure, axes = _blank()
-    _region(axes, workspace, loop, 1e3 * factors * loop.period, factors * loop.beta[0], family, relative=True)
+    _region(axes, arms, loop, 1e3 * factors * loop.period, factors * loop.beta[0], family, relative=True)
     axes.plot(1e3 * loop.period, loop.beta[0], "o", color="black", markerfacecolor="white", label="this loop", zorder=3)
     axes.set_xlabel("L (ms)")
     axes.set_ylabel(r"β (1/s), $K_s$ in proportion to it")
@@ -129,11 +130,13 @@ def workspace_figure(
     if across == up or not (0 <= across < arm.nv and 0 <= up < arm.nv):
         raise ParameterError("joints", f"got {joints}; expected two different indices from 0 to {arm.nv - 1}")
     workspace = workspace_of(arm, box, samples=1, gravity=gravity)
-    lower, upper = workspace.box.lower, workspace.box.upper
+    lower, upper = workspace.arms.box.lower, workspace.arms.box.upper
     x, y = (np.linspace(lower[j], upper[j], 61) for j in (across, up))
     points = np.tile(np.asarray(q, dtype=np.float64), (y.size, x.size, 1))
     points[..., across], points[..., up] = x, y[:, None]
-    radii = workspace.radii(loop, points.reshape(-1, arm.nv)).reshape(y.size, x.size)
+    held = np.repeat(workspace.points[:1], y.size * x.size, axis=0)
+    held[:, 1 : 1 + arm.nv] = points.reshape(-1, arm.nv)
+    radii = workspace.radii(loop, held).reshape(y.size, x.size)
     figure, axes = _blank()
     _paint(axes, x, y, -np.log(radii) / loop.period, "slowest decay, −ln ρ / L (1/s)")
     for axis, j in ((axes.set_xlabel, across), (axes.set_ylabel, up)):
@@ -152,7 +155,7 @@ def _blank() -> tuple[Figure, Axes]:
 
 def _region(
     axes: Axes,
-    workspace: Workspace,
+    arms: FrozenArms,
     loop: SampledLoop,
     x: Array,
     y: Array,
@@ -161,11 +164,8 @@ def _region(
     relative: bool = False,
 ) -> None:
     """Paint the decay of a family of loops; relative to the slowest pole of (8) where axes span many time scales."""
-    critical: Critical = (
-        modes_of(workspace, loop.mbar, _MODES)
-        if loop.modal
-        else critical_set(workspace, loop, workspace.worst(loop)[1])
-    )
+    spaces = spaces_of(arms, samples=512, seed=0)
+    critical = critical_set(spaces, loop, [space.worst(loop)[1] for space in spaces])
 
     def decay(member: SampledLoop) -> float:
         slowest = min(float(member.beta.min()), float(member.ks.min())) if relative else 1.0

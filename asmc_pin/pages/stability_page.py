@@ -15,17 +15,16 @@ from asmc_pin.pages.figure_style import PAGE, paper_style
 from asmc_pin.pages.html_fragments import table_html
 from asmc_pin.pages.plates import Plate, framed, is_html, write_beside
 from asmc_pin.pages.summary_tables import Table, markdown_table
+from asmc_pin.sampled.frozen_arms import FrozenArms
 from asmc_pin.sampled.loop_curves import LoopCurve, LoopCurves, loop_curves
 from asmc_pin.sampled.sensor_model import LoopSensor
 from asmc_pin.sampled.stability_report import StabilityReport
-from asmc_pin.sampled.workspace_worst import gravity_stiffness, workspace_of
+from asmc_pin.sampled.workspace_worst import workspace_of
 from asmc_pin.words.media import for_figure, for_html, for_markdown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from asmc_pin.arms import Arm
-    from asmc_pin.condition.domain.joint_box import BoxLike
 
 _SAMPLES = 256
 _ROUNDING = 1e-8
@@ -35,16 +34,15 @@ _SAID = {"period": "period L", "filter_hz": "filter of the estimate", "delay": "
 
 
 def write_stability_page(
-    report: StabilityReport, arm: Arm, path: str | Path, *, sensor: LoopSensor | None = None, box: BoxLike = None
+    report: StabilityReport, arms: FrozenArms, path: str | Path, *, sensor: LoopSensor | None = None
 ) -> None:
     """Write the page.
 
     Args:
         report: What `stability` said.
-        arm: The arm that was asked about.
+        arms: The arms that were asked about, see `frozen_arms`.
         path: Ends in ``.html`` (one file) or in ``.md`` (figures as PNG files beside it).
         sensor: The sensors, for the noise.
-        box: Joint box; the arm's own by default.
 
     Raises:
         ParameterError: Another suffix.
@@ -52,11 +50,11 @@ def write_stability_page(
     """
     path = Path(path)
     html = is_html(path)
-    heavy = bool(np.any(arm.gravity_vector))
-    spaces = [workspace_of(arm, box, samples=_SAMPLES, gravity=gravity) for gravity in (False, True)[: 1 + heavy]]
-    drift = np.ones(arm.nv)
+    heavy = arms.heavy
+    spaces = [workspace_of(arms, samples=_SAMPLES, gravity=gravity) for gravity in (False, True)[: 1 + heavy]]
+    drift = np.ones(arms.nv)
     if heavy:
-        drift = np.abs(gravity_stiffness(arm, spaces[-1].q)).sum(axis=-1).max(axis=0)
+        drift = np.abs(arms.stiffness(spaces[-1].points)).sum(axis=-1).max(axis=0)
         drift[drift < _ROUNDING * drift.max()] = 0.0
     curves = loop_curves(spaces, report.loop, drift, sensor, [report.worst_q, report.rest_q])
     plates = [_plate(report, curves, curve, heavy) for curve in curves.curves]

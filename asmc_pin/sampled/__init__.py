@@ -19,11 +19,12 @@ from asmc_pin.sampled.linear_map import (
     modal_radius,
     spectral_radius,
 )
+from asmc_pin.sampled.loop_analysis import stability
 from asmc_pin.sampled.loop_limits import LoopLimits
 from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.sampled.sensor_model import LoopSensor, loop_sensor
 from asmc_pin.sampled.sensor_noise import LoopNoise
-from asmc_pin.sampled.stability_report import StabilityReport, stability
+from asmc_pin.sampled.stability_report import StabilityReport
 
 __all__ = [
     "ClosedLoop",

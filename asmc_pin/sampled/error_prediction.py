@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.errors import ParameterError
+from asmc_pin.sampled.frozen_arms import gravity_stiffness
 from asmc_pin.sampled.linear_map import ClosedLoop, closed_loop, spectral_radius
 from asmc_pin.sampled.sampled_loop import SampledLoop
-from asmc_pin.sampled.workspace_worst import gravity_stiffness
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm

@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.domain.joint_box import BoxLike
+from asmc_pin.sampled.frozen_arms import FrozenArms, frozen_arms
 from asmc_pin.sampled.law_loops import law_loops
-from asmc_pin.sampled.remedies import quick_workspaces, remedy
+from asmc_pin.sampled.loop_analysis import remedy_of, spaces_of
 from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.sampled.sensor_model import LoopSensor
 from asmc_pin.sampled.workspace_worst import Workspace
@@ -21,26 +22,34 @@ if TYPE_CHECKING:
     from asmc_pin.arms import Arm
 
 
+_SAMPLES = 128
+_FINEST = 0.01  # of a joint's range
+
+
 @dataclass(frozen=True, eq=False)
 class _Searched:
     """One of the arms that a loop has to hold, and where it is searched.
 
     Attributes:
         words: When it moves and with which links; empty where there is no other.
-        arm: The arm.
-        free: By inertia alone.
-        heavy: About rest under gravity; None where there is none.
+        arms: The arm over its joint box.
+        spaces: A quick look at it: the inertia alone and, where gravity acts, at rest.
     """
 
     words: str
-    arm: Arm
-    free: Workspace
-    heavy: Workspace | None
+    arms: FrozenArms
+    spaces: tuple[Workspace, ...]
 
     @property
     def place(self) -> str:
         """For a sentence that goes on with a configuration."""
         return f"{self.words}, " if self.words else ""
+
+
+def _searched(words: str, arm: Arm, box: BoxLike, viscous: Array | None) -> _Searched:
+    arms = frozen_arms(arm, box)
+    spaces = spaces_of(arms, samples=_SAMPLES, seed=0, viscous=viscous)
+    return _Searched(words, arms, tuple(space.thinned(_SAMPLES, _FINEST) for space in spaces))
 
 
 def gain_warnings(
@@ -56,6 +65,7 @@ def gain_warnings(
     """What a user should know about gains before a run; a quick search, so silence is not a proof.
 
     Every law here contains PPC (7), whose frozen loop is examined over the workspace and about rest under gravity.
+    Where that is unstable, `stability` says what helps, without the friction, and it is said here in its words.
     Inside a boundary layer β acts as β + K/Φ, which is examined too. Switching terms are not linear and are left out.
 
     Args:
@@ -81,37 +91,34 @@ def gain_warnings(
     if not loops:
         return []
     friction = None if viscous is None else _counted_on(viscous, first.nv)
-    searched = [_Searched(words, each, *quick_workspaces(each, box, viscous=friction)) for words, each in arms.items()]
-    found = [_about_loop(item.title, item.loop, searched, friction, box) for item in loops]
+    searched = [_searched(words, each, box, friction) for words, each in arms.items()]
+    found = [_about_loop(item.title, item.loop, searched) for item in loops]
     for item in loops:
         layers = {label: replace(item.loop, beta=item.loop.beta + slope) for label, slope in item.layers.items()}
         found += [_about_layer(label, loop, searched) for label, loop in layers.items()]
     return [warning for warning in found if warning]
 
 
-def _about_loop(
-    labels: str, loop: SampledLoop, searched: Sequence[_Searched], viscous: Array | None, box: BoxLike
-) -> str:
-    arms = [item.arm for item in searched]
-    radius, q, where = _worst(loop, [(item, item.free) for item in searched])
-    if radius >= 1.0:
-        return (
-            f"{labels}: the sampled loop is unstable {where.place}at q = {_angles(q)} rad (spectral radius "
-            f"{radius:.4f} at L = {loop.period:g} s); {remedy(arms, loop, viscous=viscous, box=box)}"
+def _about_loop(labels: str, loop: SampledLoop, searched: Sequence[_Searched]) -> str:
+    for at_rest in (False, True)[: len(searched[0].spaces)]:
+        radius, q, where = _worst(loop, searched, at_rest)
+        if radius < 1.0:
+            continue
+        said = (
+            f"{labels}: {where.place}at rest near q = {_angles(q)} rad gravity drives the sampled loop away from its "
+            f"set-point (spectral radius {radius:.4f} at L = {loop.period:g} s)"
+            if at_rest
+            else f"{labels}: the sampled loop is unstable {where.place}at q = {_angles(q)} rad (spectral radius "
+            f"{radius:.4f} at L = {loop.period:g} s)"
         )
-    resting = [(item, item.heavy) for item in searched if item.heavy is not None]
-    if resting:
-        radius, q, where = _worst(loop, resting)
-        if radius >= 1.0:
-            return (
-                f"{labels}: {where.place}at rest near q = {_angles(q)} rad gravity drives the sampled loop away from "
-                f"its set-point (spectral radius {radius:.4f}); {remedy(arms, loop, viscous=viscous, box=box)}"
-            )
+        helps = remedy_of(where.arms, loop)
+        about = f" (searched for the arm {where.words})" if where.words else ""
+        return f"{said}; {helps}{about}" if helps else said
     return ""
 
 
 def _about_layer(label: str, loop: SampledLoop, searched: Sequence[_Searched]) -> str:
-    radius, q, where = _worst(loop, [(item, item.free) for item in searched])
+    radius, q, where = _worst(loop, searched, at_rest=False)
     if radius < 1.0:
         return ""
     return (
@@ -121,10 +128,11 @@ def _about_layer(label: str, loop: SampledLoop, searched: Sequence[_Searched]) -
     )
 
 
-def _worst(loop: SampledLoop, places: Sequence[tuple[_Searched, Workspace]]) -> tuple[float, Array, _Searched]:
+def _worst(loop: SampledLoop, searched: Sequence[_Searched], at_rest: bool) -> tuple[float, Array, _Searched]:
     """Largest radius over several arms, its configuration, and which of them it is."""
-    found = [(*workspace.worst(loop)[:2], item) for item, workspace in places]
-    return max(found, key=lambda one: one[0])
+    found = [(*item.spaces[at_rest].worst(loop)[:2], item) for item in searched]
+    radius, point, item = max(found, key=lambda one: one[0])
+    return radius, item.arms.q(point), item
 
 
 def _counted_on(viscous: ArrayLike, nv: int) -> Array | None:

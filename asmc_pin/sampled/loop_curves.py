@@ -79,7 +79,7 @@ def loop_curves(
     """
     looked_at = []
     for space in workspaces:
-        mass, stiffness = space.frozen(np.concatenate([np.array(worst_q), space.q[:_SAMPLES]]))
+        mass, stiffness = space.frozen(np.concatenate([space.at(np.array(worst_q)), space.points[:_SAMPLES]]))
         looked_at.append((mass, stiffness, space.viscous))
 
     def along(name: str, values: Array, member: Callable[[float], SampledLoop], here: float | None) -> LoopCurve:

@@ -5,211 +5,164 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.sampled.linear_map import inertia_ratios, modal_radius, spectral_radius
+from asmc_pin.sampled.critical_points import Critical
 from asmc_pin.sampled.sampled_loop import SampledLoop
-from asmc_pin.sampled.workspace_worst import Workspace, gravity_stiffness
 
 Family = Callable[[float], SampledLoop]
 """A loop for each value of one parameter."""
 
+Ends = tuple[float, float]
+
 DELAY_SPAN = 64.0
 """Extra delay beyond which no margin is sought, periods."""
 
+NOWHERE: Ends = (0.0, 0.0)
+"""The range of a family of which no member is stable."""
+
 _PRECISION = 1e-5
-_ROUNDS = 4
-_WORST = 4
-_THIN = 256
+_ROUNDS = 5
 _RATIO = 0.35
-_MODES = 96
+_NO_DELAY, _SHORTEST_DELAY = 1e-9, 0.01
+_SPAN = 1e4
 
 
 @dataclass(frozen=True)
 class LoopLimits:
-    """Ends of the stable region in one direction each, the rest as given. inf: no end was found; nan: unstable already.
+    """Ends of the stable region in one direction each, the rest as given.
 
-    A stable range of gains or period starts at slow loops: it is the connected one that a user reaches by raising them.
+    They count the same maps as the verdict: the inertia alone, and the arm at rest under gravity. An upper end is inf
+    and a lower end 0 where none was found. A range is the one around the given loop; where that is unstable, the next
+    one below, or else above.
 
     Attributes:
-        gain_scale: β and K_s may be multiplied by this together; 0 if no gains are stable.
+        gain_range: β and K_s together may be multiplied by what lies between; (0, 0) if nothing is stable.
         beta_scale: β alone; the largest β is this times β.
         ks_scale: K_s alone.
         period: Largest L, s, with filter (in Hz) and delay (in periods) as given.
         gain_margin: Factors, below and above 1, by which the drives' true torque may differ from the reported one, on
-            all joints together (the same as a factor on M̄, or on M⁻¹).
-        delay_margin: Transport delay that may be added, in periods; inf beyond `DELAY_SPAN`.
+            all joints together (the same as a factor on M̄); nan if the loop is unstable as it is.
+        delay_margin: Transport delay that may be added, in periods; inf beyond `DELAY_SPAN`; nan if unstable.
     """
 
-    gain_scale: float
+    gain_range: Ends
     beta_scale: float
     ks_scale: float
     period: float
-    gain_margin: tuple[float, float]
+    gain_margin: Ends
     delay_margin: float
 
     @property
-    def gain_margin_db(self) -> tuple[float, float]:
+    def gain_scale(self) -> float:
+        """The upper end of `gain_range`."""
+        return self.gain_range[1]
+
+    @property
+    def gain_margin_db(self) -> Ends:
         """The gain margin in dB."""
         low, high = (20.0 * math.log10(end) if end != 0.0 else -math.inf for end in self.gain_margin)
         return low, high
 
 
-def limits_of(workspace: Workspace, loop: SampledLoop, worst_q: Array) -> LoopLimits:
-    """All limits of a loop.
-
-    Args:
-        workspace: Where the arm works.
-        loop: Gains and timing.
-        worst_q: Its worst configuration, shape (nv,).
-    """
-    critical = critical_set(workspace, loop, worst_q)
-    rising, outward = gain_grid(loop), grid(1.0, 1e4)
-    stable = critical.radius(loop) < 1.0
-    low = 1.0 / _end(critical, lambda x: loop.scaled(mbar=1.0 / x), outward) if stable else math.nan
-    high = _end(critical, lambda x: loop.scaled(mbar=x), outward) if stable else math.nan
+def limits_of(critical: Critical, loop: SampledLoop) -> LoopLimits:
+    """All limits of a loop."""
+    slower, faster = _gain_grids(loop)
+    # Beyond a second an arm that falls is past all figures.
+    longer = grid(1.0, max(1.0 / loop.period, 10.0))
+    gain_margin, delay_margin = margins_of(critical, loop)
     return LoopLimits(
-        gain_scale=_end(critical, lambda x: loop.scaled(ks=x, beta=x), rising),
-        beta_scale=_end(critical, lambda x: loop.scaled(beta=x), rising),
-        ks_scale=_end(critical, lambda x: loop.scaled(ks=x), rising),
-        period=loop.period * _end(critical, lambda x: loop.scaled(period=x), rising),
-        gain_margin=(low, high),
-        delay_margin=_delay_margin(critical, loop) if stable else math.nan,
+        gain_range=gain_range(critical, loop),
+        beta_scale=stable_range(critical, lambda x: loop.scaled(beta=x), slower, faster)[1],
+        ks_scale=stable_range(critical, lambda x: loop.scaled(ks=x), slower, faster)[1],
+        period=loop.period * stable_range(critical, lambda x: loop.scaled(period=x), slower, longer)[1],
+        gain_margin=gain_margin,
+        delay_margin=delay_margin,
     )
 
 
-class Critical(Protocol):
-    """What decides stability over a workspace, reduced to little."""
-
-    def radius(self, loop: SampledLoop) -> float:
-        """Largest spectral radius over it."""
-        ...
-
-    def extend(self, loop: SampledLoop) -> bool:
-        """Search the workspace where `loop` ought to be stable; take in what is not. False if all is."""
-        ...
+def margins_of(critical: Critical, loop: SampledLoop) -> tuple[Ends, float]:
+    """Gain margin and delay margin; nan where the loop is unstable as it is."""
+    if critical.radius(loop) >= 1.0:
+        return (math.nan, math.nan), math.nan
+    gain = stable_range(critical, lambda x: loop.scaled(mbar=x), grid(1.0, 1.0 / _SPAN), grid(1.0, _SPAN))
+    later = np.append(_NO_DELAY, grid(_SHORTEST_DELAY, DELAY_SPAN))
+    low, high = stable_range(critical, lambda x: replace(loop, delay=loop.delay + x), later[:1], later)
+    return gain, high if low == 0.0 else 0.0
 
 
-@dataclass(frozen=True)
-class Modes:
-    """Where modes separate: eigenvalues a of M⁻¹M̄, the extremes found over the workspace and some in between.
-
-    Attributes:
-        ratios: Shape (count,), for `mbar`.
-        mbar: Shape (nv,), kg·m².
-    """
-
-    ratios: Array
-    mbar: Array
-
-    def radius(self, loop: SampledLoop) -> float:
-        """Largest spectral radius over the modes; M̄ of the loop must be a multiple of `mbar`."""
-        return float(modal_radius(self.ratios * (loop.mbar[0] / self.mbar[0]), loop).max())
-
-    def extend(self, loop: SampledLoop) -> bool:
-        """Never: the range of a is known already."""
-        return False
+def gain_range(critical: Critical, loop: SampledLoop) -> Ends:
+    """The stable range of factors on β and K_s together; see `LoopLimits`."""
+    return stable_range(critical, lambda x: loop.scaled(ks=x, beta=x), *_gain_grids(loop))
 
 
-@dataclass
-class Configurations:
-    """Elsewhere: the configurations that decide; grows when a search finds a worse one.
-
-    Attributes:
-        workspace: Where they are from.
-        q: Shape (count, nv), the worst first.
-    """
-
-    workspace: Workspace
-    q: Array
-
-    def __post_init__(self) -> None:
-        """Evaluate the arm there."""
-        self._mass = self.workspace.arm.mass_matrix(self.q)
-        self._stiffness = gravity_stiffness(self.workspace.arm, self.q) if self.workspace.gravity else None
-
-    def radius(self, loop: SampledLoop) -> float:
-        """Largest spectral radius over them; over the first few where a long delay makes the map large."""
-        some = slice(None) if loop.delay <= 4.0 else slice(4)
-        stiffness = None if self._stiffness is None else self._stiffness[some]
-        radii = spectral_radius(self._mass[some], loop, viscous=self.workspace.viscous, stiffness=stiffness)
-        return float(radii.max())
-
-    def extend(self, loop: SampledLoop) -> bool:
-        """Search the workspace; take in the worst configuration, in front, if it is unstable."""
-        if loop.delay > 4.0:
-            return False
-        radius, q, _ = self.workspace.thinned(_THIN).worst(loop)
-        if radius >= 1.0:
-            self.q = np.concatenate([q[None], self.q])
-            self.__post_init__()
-        return radius >= 1.0
+def _gain_grids(loop: SampledLoop) -> tuple[Array, Array]:
+    """Factors on gains, down to a loop so slow that only M̄ matters, and up to one so fast that none is stable."""
+    slowest = float((loop.kp / loop.kd).min())
+    down = max(1e-4 / (loop.period * float(loop.kd.max())), 1e-7 / (loop.period * slowest))
+    return grid(1.0, min(down, 0.1)), grid(1.0, max(1e4 / (loop.period * float(loop.kd.min())), 10.0))
 
 
-def modes_of(workspace: Workspace, mbar: Array, count: int = _MODES) -> Modes:
-    """The extreme modes over a workspace, and `count` in between."""
-    (low, _), (high, _) = workspace.ratio_range(mbar)
-    found = np.sort(inertia_ratios(workspace.mass, mbar), axis=None)
-    some = found[np.linspace(0, found.size - 1, min(count, found.size)).astype(np.int64)]
-    return Modes(np.concatenate([[low, high], some]), mbar)
+def grid(begin: float, end: float) -> Array:
+    """Values a third apart, ends included, from one to the other."""
+    return np.geomspace(begin, end, 2 + int(abs(math.log(end / begin)) / _RATIO))
 
 
-def critical_set(workspace: Workspace, loop: SampledLoop, worst_q: Array) -> Critical:
-    """What decides about a loop and its like: modes where they separate, else configurations."""
-    if loop.modal and workspace.viscous is None and not workspace.gravity:
-        return modes_of(workspace, loop.mbar)
-    (_, q_low), (_, q_high) = workspace.ratio_range(loop.mbar)
-    ranked = [np.argsort(-workspace.radii(loop.scaled(ks=x, beta=x)))[:_WORST] for x in (1.0, 3.0)]
-    others = workspace.q[np.unique(np.concatenate(ranked))]
-    return Configurations(workspace, np.concatenate([worst_q[None], q_low[None], q_high[None], others]))
+def stable_range(critical: Critical, family: Family, below: Array, above: Array) -> Ends:
+    """The stable values of a family around where its grids begin, or next to it.
 
+    Exchange: find the ends on the points that decide, search just inside them, take in what is worse, repeat.
 
-def gain_grid(loop: SampledLoop) -> Array:
-    """Factors from a loop so slow that only M̄ matters to one so fast that no M̄ is stable."""
-    return grid(1e-4 / (loop.period * float(loop.kd.max())), 1e4 / (loop.period * float(loop.kd.min())))
-
-
-def grid(low: float, high: float) -> Array:
-    """Values a third apart, ends included."""
-    return np.geomspace(low, high, 2 + int(math.log(high / low) / _RATIO))
-
-
-def _end(critical: Critical, family: Family, values: Array) -> float:
-    """First of ascending values at which the family is unstable somewhere; 0 if at the first, inf if at none.
-
-    Exchange: find the end on what is critical, search the workspace just inside it, take in what is worse, repeat.
-    """
-    end = first_crossing(lambda x: critical.radius(family(x)), values)
-    for _ in range(_ROUNDS):
-        inside = end * (1.0 - 20.0 * _PRECISION)
-        if not (values[0] < inside < math.inf and critical.extend(family(inside))):
-            break
-        end = first_crossing(lambda x: critical.radius(family(x)), np.append(values[values < inside], inside))
-    return end
-
-
-def first_crossing(radius: Callable[[float], float], values: Array) -> float:
-    """Where `radius` first reaches 1 as its argument runs through ascending values, refined by bisection.
+    Args:
+        critical: What decides; grows.
+        family: The loops.
+        below: Descending values from the one in question; only that one where there is no way down.
+        above: Ascending values from it.
 
     Returns:
-        The value; 0 if the first is unstable already, inf if none is.
+        The ends; 0 and inf where the grid ends first, `NOWHERE` if no value is stable.
     """
-    stable = 0.0
-    for value in map(float, values):
-        if radius(value) >= 1.0:
-            if stable == 0.0:
-                return 0.0
-            unstable = value
-            while unstable / stable - 1.0 > _PRECISION:
-                middle = math.sqrt(stable * unstable)
-                stable, unstable = (stable, middle) if radius(middle) >= 1.0 else (middle, unstable)
-            return math.sqrt(stable * unstable)
+
+    def unstable(value: float) -> bool:
+        return critical.radius(family(value)) >= 1.0
+
+    for _ in range(_ROUNDS):
+        low, high = _around(unstable, below, above)
+        inside = [end * (1.0 + way) for end, way in ((low, 20.0 * _PRECISION), (high, -20.0 * _PRECISION))]
+        worse = [critical.extend(family(x)) for x in inside if 0.0 < x < math.inf]
+        if not any(worse):
+            return low, high
+    return _around(unstable, below, above)
+
+
+def _around(unstable: Callable[[float], bool], below: Array, above: Array) -> Ends:
+    """The range on the points at hand."""
+    if not unstable(float(above[0])):
+        return _edge(unstable, below, 0.0), _edge(unstable, above, math.inf)
+    for way in (below, above):
+        for i in range(1, len(way)):
+            if not unstable(float(way[i])):
+                near = _bisect(unstable, float(way[i]), float(way[i - 1]))
+                far = _edge(unstable, way[i:], 0.0 if way is below else math.inf)
+                return (far, near) if way is below else (near, far)
+    return NOWHERE
+
+
+def _edge(unstable: Callable[[float], bool], values: Array, none: float) -> float:
+    """Where stability ends on the way through values of which the first is stable; `none` if it does not."""
+    stable = float(values[0])
+    for value in map(float, values[1:]):
+        if unstable(value):
+            return _bisect(unstable, stable, value)
         stable = value
-    return math.inf
+    return none
 
 
-def _delay_margin(critical: Critical, loop: SampledLoop) -> float:
-    return _end(critical, lambda x: replace(loop, delay=loop.delay + x), grid(0.01, DELAY_SPAN))
+def _bisect(unstable: Callable[[float], bool], stable: float, beyond: float) -> float:
+    """The end of stability between two values, on its stable side."""
+    while abs(beyond / stable - 1.0) > _PRECISION:
+        middle = math.sqrt(stable * beyond)
+        stable, beyond = (stable, middle) if unstable(middle) else (middle, beyond)
+    return stable

@@ -93,7 +93,7 @@ def noise_remedy(loop: SampledLoop, noise: LoopNoise, space: Workspace, limit: A
         space: Where the arm works.
         limit: Torque limits, shape (nv,), N·m.
     """
-    mass, stiffness = space.frozen(np.concatenate([noise.worst_q, space.q[:_LOOKS]]))
+    mass, stiffness = space.frozen(np.concatenate([noise.worst, space.points[:_LOOKS]]))
 
     def share(other: SampledLoop, sensor: LoopSensor = noise.sensor) -> float:
         """Largest share of a drive's limit that the noise takes."""

@@ -41,7 +41,7 @@ class LoopNoise:
         torque_bound: Largest torque that rounding alone can cause anywhere, at rest too, shape (nv,), N·m; None without
             encoders.
         error_bound: Largest error likewise, rad (m).
-        worst_q: Points of the workspace at which the RMS of each joint's torque is largest, (nv, …).
+        worst: Points of the workspace at which the RMS of each joint's torque is largest, (nv, …).
         configurations: Points tried.
     """
 
@@ -52,7 +52,7 @@ class LoopNoise:
     error_rms: Array
     torque_bound: Array | None
     error_bound: Array | None
-    worst_q: Array
+    worst: Array
     configurations: int
 
     def to_json_dict(self) -> dict[str, Any]:
@@ -255,19 +255,19 @@ def loop_noise(workspace: Workspace, loop: SampledLoop, sensor: LoopSensor, *, q
         rms = noise_rms(mass, loop, sensor, viscous=space.viscous, stiffness=stiffness)
         return np.concatenate(rms, axis=-1)
 
-    at_samples = figures(space.q)
-    worst, points, tried = at_samples.max(axis=0), space.q[at_samples.argmax(axis=0)], len(space.q)
+    at_samples = figures(space.points)
+    worst, points, tried = at_samples.max(axis=0), space.points[at_samples.argmax(axis=0)], len(space.points)
     if np.isfinite(worst).all() and not quick:
         climbs = [
             space.maximise(lambda q, i=i: figures(q)[:, i], at_samples[:, i])  # type: ignore[misc]
             for i in range(2 * loop.nv)
         ]
         worst, points = np.array([value for value, _, _ in climbs]), np.array([point for _, point, _ in climbs])
-        tried += sum(more - len(space.q) for _, _, more in climbs)
+        tried += sum(more - len(space.points) for _, _, more in climbs)
     rounded = bool(sensor.count.any())
     bounds: tuple[Array | None, Array | None] = (None, None)
     if rounded and np.isfinite(worst).all() and not quick:
-        mass, stiffness = space.frozen(np.concatenate([points, space.q[:_BOUNDED_AT]]))
+        mass, stiffness = space.frozen(np.concatenate([points, space.points[:_BOUNDED_AT]]))
         torque, error = rounding_bound(mass, loop, sensor.count, viscous=space.viscous, stiffness=stiffness)
         bounds = torque.max(axis=0), error.max(axis=0)
     return LoopNoise(
@@ -278,7 +278,7 @@ def loop_noise(workspace: Workspace, loop: SampledLoop, sensor: LoopSensor, *, q
         error_rms=worst[loop.nv :],
         torque_bound=bounds[0],
         error_bound=bounds[1],
-        worst_q=points[: loop.nv],
+        worst=points[: loop.nv],
         configurations=tried,
     )
 

@@ -1,4 +1,4 @@
-"""Where in the workspace the sampled loop is worst: low-discrepancy samples, then a local search.
+"""Where the sampled loop is worst, over configurations and ranges: low-discrepancy samples, then a local search.
 
 The search returns a radius that some configuration really has. It refutes stability; it does not prove it.
 """
@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.domain.joint_box import Box, BoxLike, resolve_box
-from asmc_pin.condition.search.samples import sample_box
+from asmc_pin.condition.domain.joint_box import BoxLike
 from asmc_pin.errors import ParameterError
+from asmc_pin.sampled.frozen_arms import FrozenArms, frozen_arms
 from asmc_pin.sampled.linear_map import inertia_ratios, spectral_radius
 from asmc_pin.sampled.sampled_loop import SampledLoop
 
@@ -23,29 +23,23 @@ if TYPE_CHECKING:
     from asmc_pin.arms import Arm
 
 Figure = Callable[[Array], Array]
-"""Configurations (count, nv) -> what is to be made as large as possible, (count,)."""
-
-_STIFFNESS_STEP = 1e-5
+"""Points (count, …) -> what is to be made as large as possible, (count,)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Workspace:
-    """An arm, the joint box it works in, and samples of that box.
+    """What a loop is looked at on, and samples of it.
 
     Attributes:
-        arm: The arm.
-        box: The joint box.
-        q: Samples, shape (samples, nv), rad.
-        gravity: Whether maps are those about rest under gravity: ∂g/∂q acts as a spring.
+        arms: The arms and the joint box.
+        points: Samples, shape (samples, 2nv + 3); see `asmc_pin.sampled.frozen_arms`.
         viscous: Viscous friction that is counted on, shape (nv,), N·m·s/rad; None for none.
         starts: Number of local searches, from the best samples.
-        finest: Where they end, as a share of a joint's range; near a maximum the figures are flat to second order.
+        finest: Where they end, as a share of a range; near a maximum the figures are flat to second order.
     """
 
-    arm: Arm
-    box: Box
-    q: Array
-    gravity: bool = False
+    arms: FrozenArms
+    points: Array
     viscous: Array | None = None
     starts: int = 4
     finest: float = 1e-4
@@ -53,42 +47,54 @@ class Workspace:
     @cached_property
     def mass(self) -> Array:
         """M at the samples, shape (samples, nv, nv)."""
-        return self.arm.mass_matrix(self.q)
+        return self.arms.mass(self.points)
 
     @cached_property
     def stiffness(self) -> Array | None:
-        """∂g/∂q at the samples, shape (samples, nv, nv); None where gravity is left out."""
-        return gravity_stiffness(self.arm, self.q) if self.gravity else None
+        """∂g/∂q as far as it acts at the samples, shape (samples, nv, nv); None where it acts at none."""
+        return self.stiffness_of(self.points)
 
-    def frozen(self, q: Array) -> tuple[Array, Array | None]:
-        """M, (count, nv, nv), and ∂g/∂q where gravity counts, at configurations (count, nv)."""
-        return self.arm.mass_matrix(q), gravity_stiffness(self.arm, q) if self.gravity else None
+    def stiffness_of(self, points: Array) -> Array | None:
+        """The same at other points."""
+        return self.arms.stiffness(points) if (points[:, -1] > 0.0).any() else None
 
-    def radii(self, loop: SampledLoop, q: Array | None = None) -> Array:
-        """Spectral radius of the loop frozen at configurations (count, nv), or at the samples; shape (count,)."""
-        if q is None:
+    def at(self, q: Array) -> Array:
+        """Points of the first arm of the ranges, lightest, with the least armature, at configurations (count, nv)."""
+        points = np.zeros((len(q), self.points.shape[1]))
+        points[:, 1 : 1 + self.arms.nv] = q
+        points[:, 2 + self.arms.nv : -1] = self.arms.armature_lower
+        points[:, -1] = self.points[0, -1]
+        return points
+
+    def frozen(self, points: Array) -> tuple[Array, Array | None]:
+        """M, (count, nv, nv), and as much of ∂g/∂q as acts, at points."""
+        return self.arms.mass(points), self.stiffness_of(points)
+
+    def radii(self, loop: SampledLoop, points: Array | None = None) -> Array:
+        """Spectral radius of the loop frozen at points, or at the samples; shape (count,)."""
+        if points is None:
             return spectral_radius(self.mass, loop, viscous=self.viscous, stiffness=self.stiffness)
-        mass, stiffness = self.frozen(q)
+        mass, stiffness = self.frozen(points)
         return spectral_radius(mass, loop, viscous=self.viscous, stiffness=stiffness)
 
     def worst(self, loop: SampledLoop) -> tuple[float, Array, int]:
-        """Largest radius found, its configuration (nv,), and the number of configurations tried."""
-        return self.maximise(lambda q: self.radii(loop, q), self.radii(loop))
+        """Largest radius found, its point, and the number of points tried."""
+        return self.maximise(lambda points: self.radii(loop, points), self.radii(loop))
 
     def thinned(self, count: int, finest: float = 2e-3) -> Workspace:
         """The same with the first `count` samples and a coarser search, for searches that are repeated."""
-        return replace(self, q=self.q[:count], starts=2, finest=finest)
+        return replace(self, points=self.points[:count], starts=2, finest=finest)
 
     def ratio_range(self, mbar: Array) -> tuple[tuple[float, Array], tuple[float, Array]]:
-        """Smallest and largest eigenvalue of M⁻¹M̄ found, each with its configuration."""
+        """Smallest and largest eigenvalue of M⁻¹M̄ found, each with its point."""
         at_samples = inertia_ratios(self.mass, mbar)
 
-        def ratios(q: Array) -> Array:
-            return inertia_ratios(self.arm.mass_matrix(q), mbar)
+        def ratios(points: Array) -> Array:
+            return inertia_ratios(self.arms.mass(points), mbar)
 
-        low, q_low, _ = self.maximise(lambda q: -ratios(q)[:, 0], -at_samples[:, 0])
-        high, q_high, _ = self.maximise(lambda q: ratios(q)[:, -1], at_samples[:, -1])
-        return (-low, q_low), (high, q_high)
+        low, at_low, _ = self.maximise(lambda points: -ratios(points)[:, 0], -at_samples[:, 0])
+        high, at_high, _ = self.maximise(lambda points: ratios(points)[:, -1], at_samples[:, -1])
+        return (-low, at_low), (high, at_high)
 
     def maximise(self, figure: Figure, at_samples: Array) -> tuple[float, Array, int]:
         """Climb from the best samples by a compass search, all climbs in one batch.
@@ -97,34 +103,32 @@ class Workspace:
 
         Args:
             figure: What is maximised.
-            at_samples: The figure at `q`, shape (samples,).
+            at_samples: The figure at `points`, shape (samples,).
 
         Returns:
-            The largest value, its configuration (nv,), and the number of configurations tried.
+            The largest value, its point, and the number of points tried.
         """
         chosen = np.argsort(-at_samples, kind="stable")[: self.starts]
-        q, best = self.q[chosen].copy(), at_samples[chosen].copy()
+        points, best = self.points[chosen].copy(), at_samples[chosen].copy()
         tried = len(at_samples)
-        width = self.box.upper - self.box.lower
-        free = np.flatnonzero((width > 0.0) & (self.gravity | ~self.box.idle))
-        moves = np.concatenate([np.eye(len(width))[free], -np.eye(len(width))[free]]) * width
-        step = np.full(len(q), 0.05)
-        while free.size and step.max() > self.finest:
-            trial = self.box.wrap(q[:, None, :] + step[:, None, None] * moves)
-            values = figure(trial.reshape(-1, q.shape[1])).reshape(trial.shape[:2])
+        moves = self.arms.moves
+        step = np.full(len(points), 0.05)
+        while len(moves) and step.max() > self.finest:
+            trial = self.arms.wrap(points[:, None, :] + step[:, None, None] * moves)
+            values = figure(trial.reshape(-1, points.shape[1])).reshape(trial.shape[:2])
             tried += values.size
             to = values.argmax(axis=1)
-            reached = values[np.arange(len(q)), to]
+            reached = values[np.arange(len(points)), to]
             better = reached > best
-            q[better], best[better] = trial[better, to[better]], reached[better]
+            points[better], best[better] = trial[better, to[better]], reached[better]
             # Shrinking after a success too bounds the number of rounds, along a ridge as well.
             step *= np.where(better, 0.95, 0.5)
         first = int(best.argmax())
-        return float(best[first]), self.box.wrap(q[first]), tried
+        return float(best[first]), self.arms.wrap(points[first]), tried
 
 
 def workspace_of(
-    arm: Arm,
+    arm: Arm | FrozenArms,
     box: BoxLike = None,
     *,
     samples: int = 2048,
@@ -132,14 +136,14 @@ def workspace_of(
     gravity: bool = False,
     viscous: Array | None = None,
 ) -> Workspace:
-    """Sample an arm's workspace.
+    """Sample what a loop is looked at on.
 
     Args:
-        arm: The arm.
+        arm: The arm; or arms over ranges, which have their joint box.
         box: Joint box; see `asmc_pin.condition.domain.joint_box.BoxLike`. The arm's own by default.
-        samples: Number of configurations.
+        samples: Number of points.
         seed: Of the samples.
-        gravity: See `Workspace`.
+        gravity: Whether maps are those about rest under gravity: ∂g/∂q acts as a spring.
         viscous: See `Workspace`.
 
     Raises:
@@ -147,23 +151,5 @@ def workspace_of(
     """
     if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 1:
         raise ParameterError("samples", f"got {samples!r}; expected a whole number of at least 1")
-    resolved = resolve_box(arm, box)
-    # M does not depend on a joint that carries the whole arm; gravity does.
-    sampled = replace(resolved, idle=np.zeros_like(resolved.idle)) if gravity else resolved
-    return Workspace(arm, resolved, sample_box(sampled, int(samples), seed), gravity, viscous)
-
-
-def gravity_stiffness(arm: Arm, q: Array) -> Array:
-    """∂g/∂q, the stiffness that gravity gives the arm about rest, by central differences.
-
-    Args:
-        arm: The arm.
-        q: Configurations, shape (..., nv), rad.
-
-    Returns:
-        Symmetric, shape (..., nv, nv), N·m/rad; negative where the arm would fall away.
-    """
-    moves = _STIFFNESS_STEP * np.eye(arm.nv)
-    around = np.asarray(q)[..., None, :]
-    slope = (arm.gravity(around + moves) - arm.gravity(around - moves)) / (2.0 * _STIFFNESS_STEP)
-    return np.asarray(0.5 * (slope + np.swapaxes(slope, -1, -2)))
+    arms = arm if isinstance(arm, FrozenArms) else frozen_arms(arm, box)
+    return Workspace(arms, arms.sample(int(samples), seed, gravity), viscous)

@@ -12,6 +12,7 @@ from asmc_pin.arms import load_arm
 from asmc_pin.errors import ParameterError
 from asmc_pin.pages.stability_page import write_stability_page
 from asmc_pin.sampled import SampledLoop, drift_error, stability
+from asmc_pin.sampled.frozen_arms import frozen_arms
 from asmc_pin.sampled.loop_curves import LoopCurve, loop_curves
 from asmc_pin.sampled.sensor_model import loop_sensor
 from asmc_pin.sampled.sensor_noise import noise_rms
@@ -33,12 +34,11 @@ def test_curves_end_where_the_loop_does_and_pass_through_the_loop_itself() -> No
     assert period.stable[here]
     assert period.radius[here] == pytest.approx(max(report.spectral_radius, report.rest_radius), abs=1e-6)
     np.testing.assert_allclose(period.drift_error[here], drift_error(loop, drift))
-    # By inertia alone the loop ends at period_max; gravity can only end it earlier.
     assert report.limits is not None
     assert not period.stable[period.values > report.limits.period].any()
     assert period.torque_rms is not None
-    q = np.concatenate([[report.worst_q, report.rest_q], spaces[1].q[:12]])
-    mass, stiffness = spaces[1].frozen(q)
+    looked_at = np.concatenate([spaces[1].at(np.array([report.worst_q, report.rest_q])), spaces[1].points[:12]])
+    mass, stiffness = spaces[1].frozen(looked_at)
     for name, value in (("period", loop.period / 4.0), ("delay", 1.0)):
         at = int(np.abs(curves[name].values - value).argmin())
         other = replace(loop, **{name: float(curves[name].values[at])})
@@ -52,15 +52,15 @@ def test_the_page_holds_verdict_ranges_and_a_figure_for_each_of_period_filter_an
     arm, sensor = load_arm("two_link"), loop_sensor(2, encoder_bits=18)
     report = stability(arm, 0.02, 12.0, 12.0, 0.001, sensor=sensor, samples=64, limits=False)
     page = tmp_path / "slow.html"
-    write_stability_page(report, arm, page, sensor=sensor)
+    write_stability_page(report, frozen_arms(arm), page, sensor=sensor)
     text = page.read_text(encoding="utf-8")
     assert text.count("<img ") == 3
     assert "one count of the encoder is worth" in text
     assert "A search refutes stability; it does not prove it." in text
     assert "http" not in text.split("<body", 1)[1].split("base64", 1)[0]
-    write_stability_page(report, arm, tmp_path / "slow.md")
+    write_stability_page(report, frozen_arms(arm), tmp_path / "slow.md")
     assert {path.name for path in tmp_path.glob("slow_*.png")} == {
         "slow_period.png", "slow_filter_hz.png", "slow_delay.png",
     }  # fmt: skip
     with pytest.raises(ParameterError, match=r"neither \.html nor \.md"):
-        write_stability_page(report, arm, tmp_path / "slow.txt")
+        write_stability_page(report, frozen_arms(arm), tmp_path / "slow.txt")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from asmc_pin.pages.stability_figures import (
     workspace_figure,
 )
 from asmc_pin.sampled import SampledLoop, closed_loop, spectral_radius, stability
+from asmc_pin.sampled.frozen_arms import gravity_stiffness
 from asmc_pin.sampled.workspace_worst import workspace_of
 
 UR5_MBAR = 0.5 * np.array([0.1483264, 0.1674553, 0.1504278, 0.0810652, 0.0933441, 0.0171369])
@@ -49,10 +51,10 @@ def two_link_ratios(mbar: float) -> tuple[float, float]:
     return mbar / float(values.max()), mbar / float(values.min())
 
 
-def test_limits_are_those_of_the_closed_form(two_link: Arm) -> None:
+def test_limits_of_the_inertia_alone_are_those_of_the_closed_form(two_link: Arm) -> None:
     # docs/stability.md: stable where βk_s L (1/a − 1/2) < β + k_s and (β + k_s) L < 4/a − 2 for the extreme a.
     beta, ks, period, mbar = 8.0, 12.0, 0.001, 0.02
-    report = stability(two_link, mbar, ks, beta, period)
+    report = stability(two_link.replace(gravity=(0.0, 0.0, 0.0)), mbar, ks, beta, period)
     low, high = two_link_ratios(mbar)
     assert report.ratios == pytest.approx((low, high), rel=1e-5)
     slow, fast = period * (1.0 / low - 0.5), (4.0 / high - 2.0) / period
@@ -103,9 +105,10 @@ def test_margins_are_where_simulated_runs_begin_to_grow(turntable: Arm, delay: f
 
 @pytest.mark.parametrize("timing", [{}, {"acceleration": "position", "filter_hz": 80.0, "delay": 0.7}], ids=str)
 def test_configurations_give_the_limits_of_the_modes(two_link: Arm, timing: dict) -> None:
-    modes = stability(two_link, 0.02, 9.0, 9.0, 0.001, **timing)
+    weightless = two_link.replace(gravity=(0.0, 0.0, 0.0))
+    modes = stability(weightless, 0.02, 9.0, 9.0, 0.001, **timing)
     # K_s a hair off a multiple of the identity: the full map is needed, its limits are the same.
-    full = stability(two_link, 0.02, [9.0, 9.0 * (1.0 + 1e-9)], 9.0, 0.001, **timing)
+    full = stability(weightless, 0.02, [9.0, 9.0 * (1.0 + 1e-9)], 9.0, 0.001, **timing)
     assert not full.loop.modal
     assert full.spectral_radius == pytest.approx(modes.spectral_radius, abs=1e-7)
     assert modes.limits is not None
@@ -136,7 +139,11 @@ def test_printed_gains_are_unstable_through_gravity_only(two_link: Arm) -> None:
     assert report.spectral_radius < 1.0 < report.rest_radius
     assert report.verdict == "unstable"
     assert report.rest_q == pytest.approx([0.5 * math.pi, 0.0], abs=0.01)  # stretched out, straight up
-    assert any("gravity" in line for line in report.lines())
+    assert any("unstable through gravity" in line for line in report.lines())
+    assert report.remedy.startswith("raise β and K_s: stable where searched from ")
+    low, high = map(float, re.findall(r"from (\S+) to (\S+) times", report.remedy)[0])
+    for scale in (low, high):
+        assert stability(two_link, 0.01, scale, scale, 0.001, samples=256, limits=False).stable
     weightless = stability(two_link.replace(gravity=(0.0, 0.0, 0.0)), 0.01, 1.0, 1.0, 0.001, limits=False)
     assert weightless.verdict == "stable"
 
@@ -148,7 +155,15 @@ def test_an_unstable_loop_has_no_margins_and_strict_json(two_link: Arm) -> None:
     assert plain["verdict"] == "unstable"
     assert plain["gain_margin"] == [None, None]
     assert plain["delay_margin_periods"] is None
-    assert plain["gain_scale_max"] == pytest.approx(0.76435, rel=1e-4)
+    # By inertia alone it would be 0.76435; upright the arm falls sooner.
+    upright = np.array([0.5 * math.pi, 0.0])
+    ends = [
+        float(closed_loop(two_link.mass_matrix(upright), report.loop.scaled(ks=x, beta=x),
+                          stiffness=gravity_stiffness(two_link, upright)).spectral_radius())
+        for x in plain["gain_scale_max"] * np.array([0.9999, 1.0001])
+    ]  # fmt: skip
+    assert ends[0] < 1.0 < ends[1]
+    assert plain["remedy"].startswith("lower β and K_s: stable where searched from 0.")
     assert plain["beta_max"] < 30.0
     assert plain["period_max"] < 0.001
 
@@ -157,6 +172,37 @@ def test_no_gains_are_stable_where_mbar_exceeds_twice_the_inertia(two_link: Arm)
     limits = stability(two_link, 0.06, 1.0, 1.0, 0.001).limits  # M̄ ≺ 2M ends at 0.0456
     assert limits is not None
     assert limits.gain_scale == limits.beta_scale == limits.ks_scale == limits.period == 0.0
+
+
+def test_stability_over_ranges_is_the_worst_of_the_arms_within(two_link: Arm) -> None:
+    ranged = stability(two_link, 0.02, 6.0, 20.0, 0.001, payload=(0.0, 2.0), armature=(0.0, 0.05))
+    assert ranged.limits is not None
+    assert ranged.to_json_dict()["payload"]["mass"] == [0.0, 2.0]
+    for payload in (0.0, 1.0, 2.0):
+        for armature in (0.0, 0.05):
+            one = stability(two_link.replace(payload=payload, armature=armature), 0.02, 6.0, 20.0, 0.001)
+            assert one.limits is not None
+            assert one.spectral_radius <= ranged.spectral_radius * (1.0 + 1e-9)
+            assert one.rest_radius <= ranged.rest_radius * (1.0 + 1e-9)
+            assert one.limits.gain_margin[0] <= ranged.limits.gain_margin[0] * (1.0 + 1e-3)
+            assert one.limits.gain_margin[1] >= ranged.limits.gain_margin[1] * (1.0 - 1e-3)
+            assert one.limits.delay_margin >= ranged.limits.delay_margin * (1.0 - 1e-3)
+
+
+def test_a_search_says_that_it_is_one(two_link: Arm) -> None:
+    report = stability(two_link, 0.02, 6.0, 20.0, 0.001, samples=256, limits=False)
+    assert "stable where searched" in report.lines()[0]
+    assert "it proves nothing" in report.lines()[0]
+    assert report.to_json_dict()["kind"] == "searched"
+
+
+def test_a_delay_margin_without_an_end_is_called_what_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "turntable.urdf"
+    path.write_text(JOINT.format(kind="continuous"))
+    report = stability(load_arm(path), 0.1 * INERTIA, 0.1, 0.1, 0.001)
+    assert "extra delay more than 64 periods (where the search ends)" in report.lines()[-1]
+    plain = report.to_json_dict()
+    assert (plain["delay_margin_periods"], plain["delay_searched_periods"]) == (None, 64.0)
 
 
 def test_viscous_friction_that_is_counted_on_slows_divergence(two_link: Arm) -> None:

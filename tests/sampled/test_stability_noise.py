@@ -19,10 +19,11 @@ from asmc_pin.engine import rollout
 from asmc_pin.experiment import Experiment
 from asmc_pin.plant import Friction, Plant, Sensor
 from asmc_pin.sampled import SampledLoop, closed_loop, stability
+from asmc_pin.sampled.frozen_arms import gravity_stiffness
 from asmc_pin.sampled.noise_warnings import BUDGET, noise_warnings
 from asmc_pin.sampled.sensor_model import LoopSensor, loop_sensor
 from asmc_pin.sampled.sensor_noise import count_torque, noise_rms, rounding_bound
-from asmc_pin.sampled.workspace_worst import gravity_stiffness, workspace_of
+from asmc_pin.sampled.workspace_worst import workspace_of
 from asmc_pin.study.comparison_notes import before_the_run
 from asmc_pin.study.plant_sensor import sensor_of_plant
 

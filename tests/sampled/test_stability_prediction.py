@@ -10,7 +10,6 @@ import pytest
 
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm, load_arm
-from asmc_pin.condition.norm.two_conditions import lemma1_norm
 from asmc_pin.controllers import CONTROLLERS
 from asmc_pin.engine import Rollout, rollout
 from asmc_pin.errors import ParameterError
@@ -27,7 +26,6 @@ from asmc_pin.sampled import (
 )
 from asmc_pin.sampled.gain_warnings import gain_warnings
 from asmc_pin.sampled.gains import suggest_gains
-from asmc_pin.sampled.workspace_worst import workspace_of
 
 MASS = np.array([[0.7, 0.2, 0.05], [0.2, 0.3, 0.04], [0.05, 0.04, 0.09]])
 MBAR = np.array([0.15, 0.1, 0.04])
@@ -158,35 +156,6 @@ def test_a_prediction_needs_a_reference_for_the_same_joints() -> None:
         predict_tracking(arm, loop, UR5_MOTION, 1.0)
 
 
-def test_suggested_gains_keep_their_margins_and_stiffer_ones_do_not() -> None:
-    arm, mbar, gain_margin, delay_margin = load_arm("ur5"), 2.0 * UR5_MBAR, 2.0, 1.0
-    design = suggest_gains(arm, mbar, 0.001, gain_margin=gain_margin, delay_margin=delay_margin, samples=512)
-
-    def keeps(loop: SampledLoop) -> bool:
-        limits = stability(arm, loop.mbar, loop.ks, loop.beta, loop.period, samples=512, seed=3).limits
-        assert limits is not None
-        low, high = limits.gain_margin
-        return bool(low <= 1.0 / gain_margin and high >= gain_margin and limits.delay_margin >= delay_margin)
-
-    slack = 1.0 - 1e-3  # of the bisections
-    assert keeps(design.loop.scaled(ks=slack, beta=slack))
-    assert not keeps(design.loop.scaled(ks=1.05, beta=1.05))
-    assert not keeps(design.loop.scaled(mbar=1.15))
-    assert design.report.verdict == "stable"
-    # Scaling M̄ down has kept Lemma 1.
-    assert lemma1_norm(workspace_of(arm, samples=512).mass, design.loop.mbar).max() < 1.0
-
-
-def test_gains_for_a_given_mbar_that_leaves_no_room_say_what_to_change() -> None:
-    arm = load_arm("ur5")
-    with pytest.raises(ParameterError, match=r"gain margin of 2 .* let M̄ be scaled down"):
-        suggest_gains(arm, 2.0 * UR5_MBAR, 0.001, gain_margin=2.0, scale_mbar=False, samples=256)
-    fixed = suggest_gains(arm, 2.0 * UR5_MBAR, 0.001, gain_margin=1.05, scale_mbar=False, samples=256)
-    assert fixed.mbar_scale == 1.0
-    with pytest.raises(ParameterError, match=r"gain_margin: got 0\.5"):
-        suggest_gains(arm, UR5_MBAR, 0.001, gain_margin=0.5)
-
-
 def test_drift_that_a_design_promises_bounds_a_slow_motion_and_is_no_wild_guess() -> None:
     arm = load_arm("two_link")
     slow = Multisine(offset=[0.0, 0.0], amplitude=[1.5, 0.5], frequency=0.05, rise=2.0)
@@ -194,8 +163,8 @@ def test_drift_that_a_design_promises_bounds_a_slow_motion_and_is_no_wild_guess(
     design = suggest_gains(arm, 0.01, 0.001, speed=speed, samples=256)
     run = run_ppc(arm, design.loop, slow, 20.0, Friction(0.0, 0.0))
     largest = np.abs(run.q_ref - run.q[0])[3000:].max(axis=0)
-    assert (largest < 1.02 * design.drift).all()
-    assert (largest > 0.5 * design.drift).all()
+    assert (largest < 1.02 * design.expected.drift).all()
+    assert (largest > 0.5 * design.expected.drift).all()
 
 
 def test_reversal_that_a_design_promises_is_that_of_a_rollout(tmp_path: Path) -> None:
@@ -209,7 +178,7 @@ def test_reversal_that_a_design_promises_is_that_of_a_rollout(tmp_path: Path) ->
     without = run_ppc(arm, design.loop, swing, 3.0, Friction(0.0, 0.0))
     after = slice(700, None)  # the first reversal at speed is at t = 0.5 s; the start is another matter
     difference = np.abs(with_friction.q - without.q)[0, after, 0].max()
-    assert difference == pytest.approx(float(design.reversal_peak[0]), rel=0.1)
+    assert difference == pytest.approx(float(design.expected.reversal_peak[0]), rel=0.1)
 
 
 def laws(**changes: object) -> dict[str, object]:
@@ -253,4 +222,19 @@ def test_friction_that_only_some_trials_have_is_not_counted_on() -> None:
 
 def test_mbar_beyond_twice_the_inertia_has_no_gains_to_fall_back_to() -> None:
     (warning,) = gain_warnings(load_arm("ur5"), {"PPC": laws(mbar=4.0 * UR5_MBAR)["PPC"]})
-    assert "no β and K_s are stable with this M̄" in warning
+    assert (
+        "no β and K_s in this proportion are stable with this M̄: scale it down; with these β and K_s it is" in warning
+    )
+
+
+@pytest.mark.parametrize(
+    ("source", "mbar", "gain"), [("two_link", 0.01, 1.0), ("two_link", 0.01, 30.0), ("two_link", 0.1, 10.0)]
+)
+def test_what_a_comparison_advises_is_what_stability_finds(source: str, mbar: float, gain: float) -> None:
+    arm = load_arm(source)
+    law = CONTROLLERS["ppc"](mbar=mbar, ks=gain, beta=gain, period=0.001)
+    (warning,) = gain_warnings(arm, {"PPC": law})
+    report = stability(arm, mbar, gain, gain, 0.001)
+    assert report.remedy
+    assert warning.endswith(f"; {report.remedy}")
+    assert f"remedy: {report.remedy}" in report.lines()

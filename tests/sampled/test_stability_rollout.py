@@ -15,7 +15,7 @@ from asmc_pin.controllers import CONTROLLERS, Setpoint
 from asmc_pin.engine import rollout
 from asmc_pin.plant import Drive, Friction, Plant, Sensor
 from asmc_pin.sampled import SampledLoop, closed_loop
-from asmc_pin.sampled.workspace_worst import gravity_stiffness
+from asmc_pin.sampled.frozen_arms import gravity_stiffness
 
 ONE_JOINT = """<robot name="turntable"><link name="base"/><link name="table"><inertial>
 <mass value="2"/><inertia ixx="0.8" iyy="0.8" izz="0.8" ixy="0" ixz="0" iyz="0"/></inertial></link>

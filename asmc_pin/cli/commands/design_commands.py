@@ -122,8 +122,6 @@ def design(
     if length is not None and gains and found.mbar is not None:
         from asmc_pin.sampled.gains import suggest_gains
 
-        if domain:
-            note("the gains are for the arm as it is, without the ranges")
         suggested = suggest_gains(
             loaded,
             found.mbar,
@@ -135,9 +133,11 @@ def design(
             delay_margin=delay_margin,
             coulomb=losses,
             box=ranges,
+            **domain,
         )
         content["gains"] = suggested.to_json_dict()
-        lines = [*lines, *suggested.lines()]
+        # One M̄ is printed, that of the gains.
+        lines = [*found.lines(with_mbar=False), *suggested.lines()]
     if as_json:
         print_json(content)
     else:
@@ -183,10 +183,6 @@ def stability(
     values, slopes, ranges = per_joint(mbar, "--mbar"), per_joint(ks, "--ks"), parse_box(box)
     rate, length = number(beta, "--beta"), number(period, "--period")
     loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
-    if domain:
-        raise ParameterError(
-            f"--{next(iter(domain))}", "one value expected here, not a range: a frozen loop is not affine in it"
-        )
     sensor = sensor_of(
         loaded.nv,
         velocity=velocity,
@@ -211,6 +207,7 @@ def stability(
         sensor=sensor,
         pairing=pairing,
         box=ranges,
+        **domain,
     )
     if figures is not None:
         from asmc_pin.pages.stability_figures import save_figures
@@ -219,8 +216,9 @@ def stability(
             note(f"wrote {path}")
     if page is not None:
         from asmc_pin.pages.stability_page import write_stability_page
+        from asmc_pin.sampled.frozen_arms import frozen_arms
 
-        write_stability_page(found, loaded, page, sensor=sensor, box=ranges)
+        write_stability_page(found, frozen_arms(loaded, ranges, **domain), page, sensor=sensor)
         note(f"report: {page}")
     if as_json:
         print_json(found.to_json_dict())

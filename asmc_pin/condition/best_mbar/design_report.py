@@ -192,9 +192,14 @@ class DesignReport(Shown):
             content["weighted"] = _point(self.weighted.least) | scales
         return content
 
-    def lines(self) -> list[str]:
-        """The report in plain words, a line per finding: the verdict, what it is about, and why it is no better."""
-        return [self.headline(), *(f"{term}: {text}" for term, text in self.rows()), *self.reasons()]
+    def lines(self, *, with_mbar: bool = True) -> list[str]:
+        """The report in plain words, a line per finding: the verdict, what it is about, and why it is no better.
+
+        Args:
+            with_mbar: Whether M̄ is among it; not where gains go with another multiple of it.
+        """
+        about = [f"{term}: {text}" for term, text in self.rows() if with_mbar or term != "M̄"]
+        return [self.headline(), *about, *self.reasons(with_mbar=with_mbar)]
 
     def table(self) -> Cells:
         """M̄, its bounds and the worst configuration, joint by joint; a dash where there is none."""
@@ -228,14 +233,14 @@ class DesignReport(Shown):
         kind = "one m̄ for all joints" if self.form == "scalar" else "one m̄ per joint"
         return f"{kind}, within {', '.join(ends) or 'no bounds'}"
 
-    def reasons(self) -> list[str]:
-        """What is proven, what limits M̄, and what would help; a line per finding."""
+    def reasons(self, *, with_mbar: bool = True) -> list[str]:
+        """What is proven, what limits M̄, and what would help; a line per finding, M̄ itself among them if asked."""
         if self.mbar is None:
             return self._limits()
         assert self.check is not None
         lines = [
             *self._proven(self.check),
-            "M̄ = " + ",".join(repr(float(value)) for value in self.mbar),
+            *(["M̄ = " + ",".join(repr(float(value)) for value in self.mbar)] if with_mbar else []),
             f"slowest mode of the estimate: λ_min(M⁻¹M̄) = {self.bandwidth:.4g} per sample",
             *self._limits(),
         ]

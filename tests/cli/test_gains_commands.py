@@ -1,0 +1,129 @@
+"""`design --gains` and `stability` on the command line: one result, honest margins, ranges."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from asmc_pin import load_arm
+from asmc_pin.cli import main
+from asmc_pin.sampled import SampledLoop
+from asmc_pin.sampled.frozen_arms import frozen_arms
+from asmc_pin.sampled.workspace_worst import workspace_of
+
+LOOP = ["--ks", "6", "--beta", "20", "--period", "0.001"]
+
+
+@pytest.fixture
+def asmc_pin(capfd):
+    """Run the command line in this process: status, standard output, standard error."""
+
+    def run(*arguments):
+        with pytest.raises(SystemExit) as end:
+            main(list(arguments))
+        out, err = capfd.readouterr()
+        return end.value.code, out, err
+
+    return run
+
+
+def designed(asmc_pin, arm, *options):
+    """The JSON of `design --gains`, and that its margins hold at other samples than the search had, at rest too."""
+    status, out, err = asmc_pin("design", arm, *options, "--gains", "--period", "0.001", "--json")
+    assert status == 0, err
+    report = json.loads(out)
+    gains = report["gains"]
+    payload = (0.0, 3.0) if "--payload" in options else None
+    arms = frozen_arms(load_arm(arm), payload=payload)
+    for gravity in (False, True):
+        space = workspace_of(arms, samples=1024, seed=77, gravity=gravity)
+        loop = SampledLoop(gains["mbar"], gains["ks"], gains["beta"], 0.001)
+        ends = [loop.scaled(mbar=x) for x in gains["gain_margin"]]
+        ends += [SampledLoop(loop.mbar, loop.ks, loop.beta, 0.001, delay=gains["delay_margin_periods"])]
+        assert max(space.radii(end).max() for end in ends) < 1.0
+    return report
+
+
+def test_two_link_keeps_the_margins_asked_for_with_gravity(asmc_pin):
+    report = designed(asmc_pin, "two_link")
+    gains = report["gains"]
+    assert gains["met"]
+    assert gains["useful"]
+    assert gains["asked"] == {"gain_margin": [0.5, 2.0], "delay_margin_periods": 1.0}
+    assert gains["gain_margin"][0] <= 0.5
+    assert gains["gain_margin"][1] >= 2.0
+    assert gains["delay_margin_periods"] >= 1.0
+    np.testing.assert_allclose(gains["mbar"], gains["mbar_scale"] * np.array(report["mbar"]))
+
+
+def test_one_mbar_is_printed_and_it_is_that_of_the_gains(asmc_pin):
+    status, out, _ = asmc_pin("design", "two_link", "--gains", "--period", "0.001")
+    assert status == 0
+    lines = [line for line in out.splitlines() if line.startswith(("M̄ =", "M̄:"))]
+    assert len(lines) == 1
+    printed = [float(value) for value in lines[0].removeprefix("M̄ = ").split(",")]
+    assert all(value < 0.04 for value in printed)  # the M̄ of least norm has 0.0444 twice
+    assert "where searched: torque gain" in out
+
+
+@pytest.mark.long
+def test_ur5_with_a_payload_range_keeps_the_margins_at_both_ends(asmc_pin):
+    gains = designed(asmc_pin, "ur5", "--payload", "0:3")["gains"]
+    assert gains["met"]
+    assert gains["useful"]
+
+
+@pytest.mark.long
+def test_so100_has_gains_that_hold_with_gravity(asmc_pin):
+    assert designed(asmc_pin, "so100")["gains"]["met"]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("arm", ["z1", "panda"])
+def test_gains_that_hold_but_are_slow_are_called_of_no_use_and_armature_is_priced(asmc_pin, arm):
+    gains = designed(asmc_pin, arm)["gains"]
+    assert gains["met"]
+    assert not gains["useful"]
+    assert gains["why"]
+    assert all(math.isfinite(value) and value > 0.0 for value in gains["armature_wanted"])
+
+
+def test_margins_that_cannot_be_had_are_status_0_with_those_that_can(asmc_pin):
+    options = ("--gains", "--period", "0.001", "--gain-margin", "30")
+    status, out, err = asmc_pin("design", "two_link", *options)
+    assert status == 0, err
+    assert "M̄ = " in out
+    assert "the margins asked for cannot be had: torque gain 0.03333 to 30, extra delay 1 periods" in out
+    assert "where searched: torque gain" in out
+
+
+def test_stability_takes_the_ranges_that_design_takes(asmc_pin):
+    ranges = ("--payload", "0:2", "--armature", "0,0.01:0.02", "--box", "joint_2=-1:1")
+    status, out, err = asmc_pin("stability", "two_link", "--mbar", "0.02", *LOOP, *ranges, "--json")
+    assert status == 0, err
+    report = json.loads(out)
+    assert report["payload"]["mass"] == [0.0, 2.0]
+    assert report["armature"] == [0.0, [0.01, 0.02]]
+    assert report["box"]["joint_2"] == [-1.0, 1.0]
+    assert 0.01 <= report["worst_armature"][1] <= 0.02
+    assert 0.0 <= report["rest_worst_payload"]["mass"] <= 2.0
+    assert report["kind"] == "searched"
+
+
+def test_stability_takes_choices_of_locked_joints(asmc_pin):
+    options = ("--mbar", "0.01", *LOOP, "--lock", "wrist_3_joint=0,1")
+    status, out, err = asmc_pin("stability", "ur5", *options, "--json")
+    assert status in (0, 1), err
+    report = json.loads(out)
+    assert report["locked"] == {"wrist_3_joint": [0.0, 1.0]}
+    assert report["worst_locked"]["wrist_3_joint"] in (0.0, 1.0)
+
+
+def test_an_unstable_loop_is_status_1_with_one_remedy(asmc_pin):
+    status, out, _ = asmc_pin(
+        "stability", "two_link", "--mbar", "0.01", "--ks", "30", "--beta", "30", "--period", "0.001"
+    )
+    assert status == 1
+    assert "the sampled loop is UNSTABLE" in out
+    assert out.count("remedy: lower β and K_s") == 1
