@@ -98,6 +98,12 @@ def outward(problem: Problem, c: Array, r: Array, k: Scratch, share: Array) -> f
                             for z in range(6):
                                 s += X[x, z] * tmp[b + z, y]
                             Om[b + x, y] = s
+                if share[i] < np.inf:
+                    s = 0.0
+                    for x in range(m):
+                        for y in range(m):
+                            s += Om[x, y] * k.K[i, x, y]
+                    share[i] = s
             # Into the joint's own frame, then past the joint.
             if problem.slides[i]:
                 for b in range(0, m, 6):
