@@ -47,7 +47,8 @@ class ProofProgress:
     seconds: float
 
 
-_QUICK = 0.5  # s
+_QUICK = 0.1
+"""Share of the time left below which an attempt was quick, and the next may ask for all at once."""
 
 
 class Prover:
@@ -104,9 +105,12 @@ class Prover:
                 # Something to say, soon; less if even half is too much.
                 trying = 0.5 * min(ceiling, refuted)
             elif goal < ceiling:
-                # Where a step takes its time, a quarter of the gap at once, so that there is news in between.
+                # M̄ itself is what was asked about. Where a step takes its time, a quarter of the gap at once, so that
+                # there is news in between.
+                target = 1.0 if self.scale < 1.0 < min(refuted, ceiling) else goal
                 quarter = refuted - 0.25 * (refuted - self.scale)
-                trying = goal if took < _QUICK else min(goal, quarter)
+                quick = took < _QUICK * (self.deadline - time.monotonic())
+                trying = target if quick else min(target, quarter)
             else:
                 trying = refuted - float(np.sqrt((refuted - self.scale) * max(refuted - ceiling, 0.0)))
                 if self.scale < 1.0 < trying:

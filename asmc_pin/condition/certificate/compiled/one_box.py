@@ -102,7 +102,7 @@ def test_box(problem: Problem, c: Array, r: Array, k: Scratch, share: Array) -> 
         c: Centres, shape (n,); that of joint 1 is set to its worst if it is followed exactly.
         r: Half widths, shape (n,).
         k: Scratch.
-        share: Out: each joint's loss in the critical motion, shape (n,).
+        share: Out: what each joint's cell costs, relative to what is left at the centre, shape (n,).
 
     Returns:
         `PROVEN`, `OPEN`, or `REFUTED` if it is not positive at the centre (up to rounding).

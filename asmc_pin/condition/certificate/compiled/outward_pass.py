@@ -13,16 +13,39 @@ from asmc_pin.condition.certificate.compiled.working_state import Problem, Scrat
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def outward(problem: Problem, c: Array, r: Array, k: Scratch, share: Array) -> float:
-    """Base to tip at the centre: the critical motion, metrics, and each joint's loss in that motion; returns their sum.
+def _relative_size(Ω: Array, K: Array, product: Array) -> float:
+    """√tr(Ω K Ω K), the Frobenius norm of a loss K where the compliance Ω is 1; `product` is scratch."""
+    m = K.shape[0]
+    for x in range(m):
+        for y in range(m):
+            s = 0.0
+            for z in range(m):
+                s += Ω[x, z] * K[z, y]
+            product[x, y] = s
+    total = 0.0
+    for x in range(m):
+        for y in range(m):
+            total += product[x, y] * product[y, x]
+    return float(np.sqrt(max(total, 0.0)))
 
-    Must follow `inward`. The critical motion has unit velocity at the base joint with the least pivot.
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def outward(problem: Problem, c: Array, r: Array, k: Scratch, share: Array) -> float:
+    """Base to tip at the centre: the critical motion, metrics, and what each joint's cell costs.
+
+    Must follow `inward`. The critical motion has unit velocity at the base joint with the least pivot. `share` is each
+    joint's loss relative to what is left at the centre: in the critical motion, and (Frobenius) over all motions, which
+    tells the joints apart where the box is wide and its centre says little of it.
+
+    Returns:
+        The sum of the losses in the critical motion.
     """
     n = problem.parent.shape[0]
     m = problem.link.shape[1]
     p, e = problem.motion.shape[1], problem.motion.shape[2]
     before, Om, turned, tmp = k.rows[0], k.work[6], k.work[7], k.work[8]
     total = 0.0
+    weakest = 0.0
     for i in range(n):
         share[i] = 0.0
         parent = problem.parent[i]
@@ -44,6 +67,7 @@ def outward(problem: Problem, c: Array, r: Array, k: Scratch, share: Array) -> f
             i00, i01, i11 = k.D[i, 1, 1] / det, -k.D[i, 0, 1] / det, k.D[i, 0, 0] / det
         twist, Ω = k.twist[i], k.compliance[i]
         if parent < 0:
+            weakest = i00
             for x in range(m):
                 twist[x] = 0.0
                 for y in range(m):
@@ -99,11 +123,7 @@ def outward(problem: Problem, c: Array, r: Array, k: Scratch, share: Array) -> f
                                 s += X[x, z] * tmp[b + z, y]
                             Om[b + x, y] = s
                 if share[i] < np.inf:
-                    s = 0.0
-                    for x in range(m):
-                        for y in range(m):
-                            s += Om[x, y] * k.K[i, x, y]
-                    share[i] = s
+                    share[i] = share[i] * weakest + _relative_size(Om, k.K[i], turned)
             # Into the joint's own frame, then past the joint.
             if problem.slides[i]:
                 for b in range(0, m, 6):
