@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -41,8 +42,11 @@ def rich_console(*, stderr: bool = False) -> Console:
 
 
 @contextmanager
-def progress_bar() -> Iterator[Callable[[str, float], None]]:
-    """A bar on standard error; silent where nobody watches.
+def progress_bar(*, lines_every: float = math.inf) -> Iterator[Callable[[str, float], None]]:
+    """A bar on standard error; where that is no terminal, a line now and then, or nothing.
+
+    Args:
+        lines_every: Least time between two such lines, s.
 
     Yields:
         A function of what is being done, and which share of all is done, 0 to 1.
@@ -50,13 +54,24 @@ def progress_bar() -> Iterator[Callable[[str, float], None]]:
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
 
     console = rich_console(stderr=True)
+    if not console.is_terminal:
+        told = time.monotonic()
+
+        def line(what: str, share: float) -> None:
+            nonlocal told
+            if time.monotonic() - told >= lines_every:
+                told = time.monotonic()
+                note(f"{what} ({min(share, 1.0):.0%} of the time)")
+
+        yield line
+        return
     columns = (
         TextColumn("{task.description:<12}", markup=False),
         BarColumn(),
         TaskProgressColumn(),
         TimeElapsedColumn(),
     )
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+    with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task("", total=1.0)
         yield lambda what, share: bar.update(task, description=printable(what), completed=share)
 

@@ -71,7 +71,9 @@ CertifyOption: TypeAlias = Annotated[
 GapOption: TypeAlias = Annotated[
     float, typer.Option("--gap", help="Relative distance of the scales proven and refuted to be content with.")
 ]
-BudgetOption: TypeAlias = Annotated[float, typer.Option("--budget", metavar="S", help="Time for the proof.")]
+BudgetOption: TypeAlias = Annotated[
+    float, typer.Option("--budget", metavar="S", help="Time for the proof; for a design that and its own.")
+]
 CertificateOption: TypeAlias = Annotated[
     str | None,
     typer.Option("--certificate", metavar="FILE", help="Write the proof to a file that 'asmc-pin check' replays."),

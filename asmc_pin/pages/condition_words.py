@@ -9,7 +9,7 @@ import numpy as np
 
 from asmc_pin.condition import Condition, ConditionReport, DesignReport
 from asmc_pin.condition.hypotheses import NAMES
-from asmc_pin.words.text import printable, rounded_up
+from asmc_pin.words.text import printable, rounded_down, rounded_up
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -35,12 +35,15 @@ def sentence(report: ConditionReport | DesignReport) -> str:
     if isinstance(report, DesignReport):
         if report.check is None:
             bound = (
-                "" if report.bound is None else f": on the configurations below the least norm is {report.bound:.6g}"
+                ""
+                if report.bound is None
+                else f": no norm is below {rounded_down(report.bound)} on these configurations (rigorous dual bound)"
             )
             return f"No M̄ within the bounds satisfies the condition on {report.hypotheses.title}{bound}."
         return (
             f"The M̄ below was designed for {_objective(report)}. "
-            f"No M̄ within the bounds has a norm below {report.bound:.6g}. {sentence(report.check)}"
+            f"No M̄ within the bounds has a norm below {rounded_down(report.bound or 0.0)} (rigorous dual bound). "
+            f"{sentence(report.check)}"
         )
     arm, where = report.hypotheses.title, _SCOPE[report.scope]
     if report.verdict == "violated":

@@ -54,6 +54,26 @@ def two_joints(*, first: str = "", second: str = "", tip: str | None = None) -> 
     )
 
 
+def two_arms(joints: int = 7, *, torso: bool = False) -> str:
+    """Two arms of some joints each on one base, the second a tenth lighter; on a torso that turns, if asked."""
+    parts = [link("base")]
+    root = "base"
+    if torso:
+        parts += [link("torso", inertial(12.0, "0 0 0.2", np.diag([0.3, 0.3, 0.2]))), joint("waist", "base", "torso")]
+        root = "torso"
+    for side, share in (("left", 1.0), ("right", 0.9)):
+        parent = root
+        for k in range(joints):
+            mass = share * 4.0 * 0.7**k
+            body = inertial(mass, "0.02 0 0.1", mass * np.diag([0.008, 0.008, 0.004]))
+            axis = "0 0 1" if k % 2 == 0 else "0 1 0"
+            placed = f"0 {0.3 if side == 'left' else -0.3} 0.4" if parent == root else f"0 0 {0.25 * 0.9**k}"
+            name = f"{side}{k + 1}"
+            parts += [link(name, body), joint(f"{name}_joint", parent, name, axis=axis, xyz=placed)]
+            parent = name
+    return robot(*parts)
+
+
 def write(folder: Path, text: str, name: str = "arm.urdf") -> Path:
     path = folder / name
     path.write_text(text, encoding="utf-8")

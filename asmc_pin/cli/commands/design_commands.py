@@ -9,7 +9,7 @@ import typer
 
 from asmc_pin.cli.app import app
 from asmc_pin.cli.commands.condition_commands import EXIT, check_proof_options, prove, report_path, write_page
-from asmc_pin.cli.console import note, print_json, say
+from asmc_pin.cli.console import note, print_json, progress_bar, say
 from asmc_pin.cli.options import (
     ArmArgument,
     ArmatureOption,
@@ -112,7 +112,15 @@ def design(
     from asmc_pin.condition import design as run
 
     options: dict[str, Any] = {"condition": condition, "objective": objective, "form": form, "level": level}
-    found = run(loaded, **options, bounds=limits, box=ranges, seed=seed, **domain)
+    with progress_bar(lines_every=2.0) as show:
+
+        def tell(state: Any) -> None:
+            said = f"looking for {state.doing}, program {state.rounds}"
+            said += f", norm found {state.norm:.6g}" if state.norm < float("inf") else ""
+            said += f", none is below {state.bound:.6g}" if state.bound > 0.0 else ""
+            show(said, min(state.share, 1.0))
+
+        found = run(loaded, **options, bounds=limits, box=ranges, seed=seed, budget=budget, progress=tell, **domain)
     if certify and found.check is not None:
         proof = {"gap": gap, "budget": budget, "seed": seed, "condition": condition, "box": ranges}
         check = prove(loaded, list(found.check.mbar), found.check, certificate, **proof, **domain)

@@ -91,7 +91,8 @@ class DesignReport(Shown):
         verdict: That of `check`, or ``infeasible``: no M̄ within the bounds satisfies the condition.
         mbar: Shape (nv,), kg·m², not rounded; digits matter. None where infeasible.
         check: M̄ verified by a search with other samples.
-        bound: No M̄ within the bounds has a smaller norm: the program's optimum on the configurations it knew.
+        bound: No M̄ within the bounds has a smaller norm: a dual bound, rigorous whatever the solver did, on the
+            configurations that the program knew.
         bandwidth: Smallest λ_min(M⁻¹M̄) that a search found.
         level: With ``bandwidth``: the norm that was allowed.
         rounds: Programs solved.
@@ -101,6 +102,7 @@ class DesignReport(Shown):
         trade_off: From the least norm to the largest bandwidth.
         armature_buys: What added armature would buy.
         weighted: What the weighted condition would allow; None for a design under it.
+        unfinished: What was not done because the time was up, in words; empty where all was.
     """
 
     hypotheses: Hypotheses
@@ -120,6 +122,7 @@ class DesignReport(Shown):
     trade_off: tuple[DesignPoint, ...] = ()
     armature_buys: tuple[ArmaturePurchase, ...] = ()
     weighted: WeightedDesign | None = None
+    unfinished: str = ""
 
     @property
     def arm(self) -> str:
@@ -172,9 +175,11 @@ class DesignReport(Shown):
                 for name, low, high in zip(self.joints, *(end.tolist() for end in self.bounds), strict=True)
             },
             "bound": self.bound,
+            "bound_kind": None if self.bound is None else "rigorous dual bound",
             "bandwidth": self.bandwidth,
             "level": self.level,
             "rounds": self.rounds,
+            "unfinished": self.unfinished or None,
             "limits": [
                 {"q": item.q.tolist(), "share": item.share, "joint": item.joint, "side": item.side, "case": item.case}
                 for item in self.limits
@@ -215,12 +220,13 @@ class DesignReport(Shown):
         """The verdict, and what M̄ is worth."""
         title = self.hypotheses.title
         if self.mbar is None:
-            bound = "" if self.bound is None else f"; the least norm possible is {self.bound:.6g}"
+            bound = "" if self.bound is None else f"; no norm is below {rounded_down(self.bound)} (rigorous dual bound)"
             return f"{title}: no M̄ within the bounds satisfies {self.formula}{bound}"
         assert self.check is not None
         return (
             f"{title}: {self.formula}, largest norm found {self.check.lower:.6g} "
-            f"({self.check.verdict}, {self.check.kind}), least possible {self.bound:.6g}"
+            f"({self.check.verdict}, {self.check.kind}), no M̄ has less than "
+            f"{rounded_down(self.bound or 0.0)} (rigorous dual bound)"
         )
 
     def _within(self) -> str:
@@ -239,6 +245,7 @@ class DesignReport(Shown):
             return self._limits()
         assert self.check is not None
         lines = [
+            *([f"not all was done: {self.unfinished}"] if self.unfinished else []),
             *self._proven(self.check),
             *(["M̄ = " + ",".join(repr(float(value)) for value in self.mbar)] if with_mbar else []),
             f"slowest mode of the estimate: λ_min(M⁻¹M̄) = {self.bandwidth:.4g} per sample",

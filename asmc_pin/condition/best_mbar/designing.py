@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias, get_args
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from asmc_pin.clock import Clock
 from asmc_pin.condition.best_mbar.convex_program import Bounds, Form
 from asmc_pin.condition.best_mbar.design_report import DesignPoint, DesignReport
-from asmc_pin.condition.best_mbar.exchange import Active, Exchanged, exchange
+from asmc_pin.condition.best_mbar.exchange import Active, DesignProgress, Exchanged, Pace, exchange
 from asmc_pin.condition.best_mbar.limits_of_mbar import limits_of, other_condition, what_armature_buys
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases
 from asmc_pin.condition.domain.joint_box import BoxLike
@@ -47,11 +47,14 @@ def design(
     lock: LockChoices = None,
     explain: bool = True,
     seed: int = 0,
+    budget: float = np.inf,
+    progress: Callable[[DesignProgress], None] | None = None,
 ) -> DesignReport:
     """Find M̄ by a convex program with an exchange of worst configurations.
 
-    The program sees a few configurations and so bounds from below what any M̄ can reach; the search over the whole box
-    says what its M̄ is worth. They meet to a thousandth of 1 − γ, or the report shows how far apart they stayed.
+    The program sees a few configurations and so bounds from below what any M̄ can reach, rigorously (`dual_bound`); the
+    search over the whole box says what its M̄ is worth. They meet to a thousandth of 1 − γ, or the report shows how far
+    apart they stayed.
 
     Args:
         arm: The arm.
@@ -68,6 +71,9 @@ def design(
         explain: Also find the other objective and their trade-off, what armature would buy, and what the weighted
             condition would allow.
         seed: Of the searches.
+        budget: Wall time after which to stop with what there is, s; the first M̄ is found and checked in any case, and
+            compiling, once after installation, is not counted.
+        progress: Called every round.
 
     Returns:
         The report; its verdict is ``infeasible`` where no M̄ within the bounds satisfies the condition.
@@ -85,30 +91,49 @@ def design(
         raise ParameterError("level", f"{level:g} given, a norm between 0 and 1 expected")
     all_cases = cases(arm, box, payload, armature, lock)
     limits = read_bounds(all_cases[0].domain.arm, bounds, form)
+    if not budget > 0.0:
+        raise ParameterError("budget", f"{budget} given, a positive number of seconds expected")
+    pace = Pace(budget, progress, clock, "least norm")
     active = Active([case.domain for case in all_cases], seed)
-    least = exchange(active, condition, limits)
-    if least is None or least.solution.value >= 1.0 - 1e-9:
+    least = exchange(active, condition, limits, pace=pace)
+    assert least is not None
+    missing = [] if least.met else [f"a better M̄ than that of {least.rounds} programs"]
+    if least.solution.bound >= 1.0:
         return _infeasible(all_cases, condition, objective, form, limits, least, clock.seconds())
     ceiling = 1.0 - MARGIN * (1.0 - least.norm) if level is None else level
     fastest = None
-    if objective == "bandwidth" or explain:
-        fastest = exchange(active, condition, limits, ceiling)
+    wanted = objective == "bandwidth" or (explain and least.norm < 1.0)
+    if wanted and ceiling < 1.0 and (objective == "bandwidth" or pace.left() > 0.0):
+        pace.doing = "largest bandwidth"
+        fastest = exchange(active, condition, limits, ceiling, pace)
     chosen = least if objective == "contraction" else fastest
+    if chosen is None and least.norm <= ceiling:
+        chosen = least
+        missing.append("the largest bandwidth, at which the solver failed")
     if chosen is None:
         return _infeasible(all_cases, condition, objective, form, limits, least, clock.seconds())
     mbar = chosen.solution.mbar
     ranges: dict[str, Any] = {"box": box, "payload": payload, "armature": armature, "lock": lock}
-    check = verify(arm, mbar, condition=condition, seed=seed + 1000, samples=2**16, starts=128, **ranges)
+    # Where time is up, the search that checks is as light as those of a round, and says so itself.
+    samples, starts = (2**16, 128) if pace.left() > 0.0 else (2**12, 16)
+    check = verify(arm, mbar, condition=condition, seed=seed + 1000, samples=samples, starts=starts, **ranges)
     curve = [point_of(least)]
     extra: dict[str, Any] = {}
-    if explain:
+    if explain and least.norm < 1.0:
         for share in _TRADE_OFF:
             between = 1.0 - share * (1.0 - least.norm)
-            if between < ceiling and (found := exchange(active, condition, limits, between)):
-                curve.append(point_of(found))
-        extra["armature_buys"] = what_armature_buys(all_cases, condition, limits, least, seed)
-        if condition == "lemma1":
-            extra["weighted"] = other_condition(all_cases, limits, mbar, seed)
+            if between < ceiling and pace.left() > 0.0:
+                pace.doing = "trade-off between the two"
+                if found := exchange(active, condition, limits, between, pace):
+                    curve.append(point_of(found))
+        if pace.left() > 0.0:
+            pace.doing = "what armature buys"
+            extra["armature_buys"] = what_armature_buys(all_cases, condition, limits, least, seed, pace)
+        if condition == "lemma1" and pace.left() > 0.0:
+            pace.doing = "the weighted condition"
+            extra["weighted"] = other_condition(all_cases, limits, mbar, seed, pace)
+        if pace.left() <= 0.0:
+            missing.append("all that explains it")
     if fastest is not None:
         curve.append(point_of(fastest))
     return DesignReport(
@@ -119,7 +144,7 @@ def design(
         verdict=check.verdict,
         mbar=mbar,
         check=check,
-        bound=least.solution.value,
+        bound=least.solution.bound,
         bandwidth=chosen.bandwidth,
         level=ceiling if objective == "bandwidth" else None,
         rounds=chosen.rounds,
@@ -127,8 +152,16 @@ def design(
         limits=limits_of(all_cases, condition, chosen),
         by_armature=least.solution.by_armature,
         trade_off=tuple(curve),
+        unfinished=_unfinished(missing, pace),
         **extra,
     )
+
+
+def _unfinished(missing: list[str], pace: Pace) -> str:
+    if not missing:
+        return ""
+    why = f"the budget of {pace.budget:g} s was up" if pace.left() <= 0.0 else "search and program did not meet"
+    return f"{why}: not looked for, or not to the end: {', '.join(missing)}"
 
 
 def point_of(outcome: Exchanged) -> DesignPoint:
@@ -164,7 +197,7 @@ def _infeasible(
     objective: Objective,
     form: Form,
     limits: Bounds,
-    least: Exchanged | None,
+    least: Exchanged,
     seconds: float,
 ) -> DesignReport:
     return DesignReport(
@@ -175,11 +208,11 @@ def _infeasible(
         verdict="infeasible",
         mbar=None,
         check=None,
-        bound=least.solution.value if least else None,
+        bound=least.solution.bound,
         bandwidth=None,
         level=None,
-        rounds=least.rounds if least else 0,
+        rounds=least.rounds,
         seconds=seconds,
-        limits=limits_of(all_cases, condition, least) if least else (),
-        by_armature=least.solution.by_armature if least else None,
+        limits=limits_of(all_cases, condition, least),
+        by_armature=least.solution.by_armature,
     )

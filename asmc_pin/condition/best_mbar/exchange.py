@@ -6,12 +6,13 @@ searches the box by local maximisation and takes in all the distinct local maxim
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from asmc_pin._typing import Array, IntArray
+from asmc_pin.clock import Clock
 from asmc_pin.condition.best_mbar.convex_program import Bounds, Solution, bandwidth_program, contraction_program
 from asmc_pin.condition.norm import compiled_norms
 from asmc_pin.condition.norm.two_conditions import Condition
@@ -22,6 +23,54 @@ TOLERANCE = 1e-3
 """Of 1 − γ (or of μ): how far the searched worst case may lie from the program's bound at the end."""
 
 _SAMPLES, _STARTS, _FIRST, _TAKEN, _ROUNDS, _CONFIRMING = 2048, 24, 12, 8, 60, 6
+
+
+@dataclass(frozen=True)
+class DesignProgress:
+    """How far a design is.
+
+    Attributes:
+        doing: What is being looked for now, in words.
+        rounds: Programs solved for it.
+        bound: No M̄ has a smaller norm.
+        norm: Largest norm found of the best M̄ so far; infinite before the first is searched.
+        seconds: Since the beginning.
+        share: Of the budget.
+    """
+
+    doing: str
+    rounds: int
+    bound: float
+    norm: float
+    seconds: float
+    share: float
+
+
+@dataclass(eq=False)
+class Pace:
+    """The time that a design may take, and who wants to know how it goes.
+
+    Attributes:
+        budget: s; infinite for as long as it takes.
+        tell: Called every round.
+        clock: Runs since the beginning, compiling left out.
+        doing: What is being looked for now, in words.
+    """
+
+    budget: float = np.inf
+    tell: Callable[[DesignProgress], None] | None = None
+    clock: Clock = field(default_factory=Clock)
+    doing: str = ""
+
+    def left(self) -> float:
+        """Time left, s; below zero when it is up."""
+        return self.budget - self.clock.seconds()
+
+    def say(self, rounds: int, bound: float, norm: float) -> None:
+        """Tell how it goes."""
+        if self.tell is not None:
+            seconds = self.clock.seconds()
+            self.tell(DesignProgress(self.doing, rounds, bound, norm, seconds, seconds / self.budget))
 
 
 @dataclass(eq=False)
@@ -72,7 +121,7 @@ class Exchanged:
     """What an exchange ended with.
 
     Attributes:
-        solution: Of the last program; its value bounds what any M̄ within the bounds can reach.
+        solution: Of the program whose M̄ this is; with ``contraction`` its bound is the best of all programs.
         norm: Largest norm that the search found for its M̄.
         bandwidth: Smallest λ_min(M⁻¹M̄) that the search found.
         rounds: Programs solved.
@@ -80,6 +129,7 @@ class Exchanged:
         masses: What the last program knew: inertia matrices, shape (known, nv, nv), in the order of its weights.
         q: Their configurations, shape (known, nv).
         case: Index of their domain, shape (known,).
+        met: Whether search and program met; else the time was up, or they did not within the rounds allowed.
     """
 
     solution: Solution
@@ -90,9 +140,12 @@ class Exchanged:
     masses: Array
     q: Array
     case: IntArray
+    met: bool
 
 
-def exchange(active: Active, condition: Condition, bounds: Bounds, level: float | None = None) -> Exchanged | None:
+def exchange(
+    active: Active, condition: Condition, bounds: Bounds, level: float | None = None, pace: Pace | None = None
+) -> Exchanged | None:
     """Solve a design over whole domains.
 
     Args:
@@ -100,19 +153,26 @@ def exchange(active: Active, condition: Condition, bounds: Bounds, level: float 
         condition: ``lemma1`` or ``weighted``.
         bounds: What M̄ may be.
         level: None: least norm. Else: largest λ_min(M⁻¹M̄) with a norm of at most this.
+        pace: When to stop with what there is, after the first round at the earliest.
 
     Returns:
-        The outcome, None where even the configurations known so far leave no M̄.
+        The outcome, None where even the configurations known so far leave no M̄ at the level.
     """
-    configurations, effort = 0, 1
+    pace = pace or Pace()
+    configurations, effort, bound = 0, 1, 0.0
     best: Exchanged | None = None
     for count in range(1, _ROUNDS + 1):
         if level is None:
-            solution = contraction_program(active.masses, condition, bounds)
+            solution = contraction_program(active.masses, condition, bounds, pace.left())
+            # Every program's bound is one of them all.
+            bound = max(bound, solution.bound)
+            solution = replace(solution, bound=bound)
         else:
-            solution = bandwidth_program(active.masses, condition, bounds, level)
-        if solution is None:
-            return best
+            found_one = bandwidth_program(active.masses, condition, bounds, level, pace.left())
+            if found_one is None:
+                return best
+            solution = found_one
+        pace.say(count, bound, np.inf if best is None else best.norm)
         goal = solution.value if level is None else level
         # Configurations far from limiting only cost time; the search brings them back if they come to matter.
         if len(active.q) > 60:
@@ -149,13 +209,17 @@ def exchange(active: Active, condition: Condition, bounds: Bounds, level: float 
             configurations += slow.configurations
             if level is not None:
                 new += _take(active, index, slow, -solution.value * (1.0 - 0.1 * TOLERANCE))
-        now = Exchanged(solution, norm, bandwidth, count, configurations, *snapshot)
-        best = now
         met = norm - goal <= TOLERANCE * abs(1.0 - goal) + 1e-9
         if level is not None:
             met = met and bandwidth >= solution.value * (1.0 - TOLERANCE)
-        if met and effort > 1:
+        now = Exchanged(solution, norm, bandwidth, count, configurations, *snapshot, met and effort > 1)
+        if now.met:
             return now
+        # Stopped early, the M̄ of least norm that there was; else the last, of the program that knows most.
+        if best is None or level is not None or norm <= best.norm or pace.left() > 0.0:
+            best = now
+        if pace.left() <= 0.0:
+            return replace(best, solution=replace(best.solution, bound=bound), rounds=count)
         # A wider search has the last word; what it finds is taken in like the rest.
         effort = _CONFIRMING if met or new == 0 else 1
     return best

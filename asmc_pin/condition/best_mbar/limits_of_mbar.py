@@ -10,7 +10,7 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.condition.best_mbar.convex_program import Bounds
 from asmc_pin.condition.best_mbar.design_report import ArmaturePurchase, DesignLimit, DesignPoint, WeightedDesign
-from asmc_pin.condition.best_mbar.exchange import Active, Exchanged, exchange
+from asmc_pin.condition.best_mbar.exchange import Active, Exchanged, Pace, exchange
 from asmc_pin.condition.domain.arm_ranges import Case
 from asmc_pin.condition.norm import compiled_norms
 from asmc_pin.condition.norm.two_conditions import Condition
@@ -62,7 +62,7 @@ def limits_of(
 
 
 def what_armature_buys(
-    all_cases: Sequence[Case], condition: Condition, bounds: Bounds, least: Exchanged, seed: int
+    all_cases: Sequence[Case], condition: Condition, bounds: Bounds, least: Exchanged, seed: int, pace: Pace
 ) -> tuple[ArmaturePurchase, ...]:
     """The least norm after adding a tenth of its own median inertia to the most promising joint, and to every joint.
 
@@ -82,16 +82,18 @@ def what_armature_buys(
             replace(d, armature_lower=d.armature_lower + added, armature_upper=d.armature_upper + added)
             for d in (case.domain for case in all_cases)
         ]
-        outcome = exchange(Active(domains, seed), condition, bounds)
+        outcome = exchange(Active(domains, seed), condition, bounds, pace=pace)
         if outcome is not None:
             found.append(ArmaturePurchase(where, added, outcome.norm))
     return tuple(found)
 
 
-def other_condition(all_cases: Sequence[Case], bounds: Bounds, mbar: Array, seed: int) -> WeightedDesign | None:
+def other_condition(
+    all_cases: Sequence[Case], bounds: Bounds, mbar: Array, seed: int, pace: Pace
+) -> WeightedDesign | None:
     """What the weighted condition would allow where Lemma 1 gave `mbar`."""
     domains = [case.domain for case in all_cases]
-    least = exchange(Active(domains, seed), "weighted", bounds)
+    least = exchange(Active(domains, seed), "weighted", bounds, pace=pace)
     if least is None:
         return None
     largest = max(_worst(compiled_norms.WEIGHTED_SCALE, domain, mbar, seed) for domain in domains)
