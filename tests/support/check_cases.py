@@ -160,4 +160,6 @@ def two_joints(p: int = 1, e: int = 1, slides: bool = False, exact: bool = False
     none = np.zeros((2, e, e))
     given = own.get("own", none)
     size = own.get("own_size", np.abs(given).sum(axis=2))
-    return Form(chain, pairing, np.ones((2, p, e)), given, size, exact, own.get("range_1", (0.0, 0.0)))
+    return Form(
+        chain, pairing, np.ones((2, p, e)), given, size, exact, own.get("range_1", (0.0, 0.0)), *[np.zeros(2)] * 2
+    )

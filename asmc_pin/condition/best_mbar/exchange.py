@@ -162,6 +162,7 @@ def exchange(
     configurations, effort, bound = 0, 1, 0.0
     best: Exchanged | None = None
     for count in range(1, _ROUNDS + 1):
+        pace.say(count, bound, np.inf if best is None else best.norm)
         if level is None:
             solution = contraction_program(active.masses, condition, bounds, pace.left())
             # Every program's bound is one of them all.

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from asmc_pin._typing import Array
+from asmc_pin._typing import Array, IntArray
 from asmc_pin.condition.certificate.statement_forms import Kind, Statement, problem_of
-from asmc_pin.condition.certificate.walk import UNKNOWN, Record, prove
+from asmc_pin.condition.certificate.walk import UNKNOWN, Record, Walk, in_joints, prove
 from asmc_pin.condition.certificate.worst_known import Worst
 from asmc_pin.condition.certificate.writing import Proof
 from asmc_pin.condition.domain.along_motion import armature_ends
+from asmc_pin.condition.domain.base_branches import branch_of, branches
 from asmc_pin.condition.norm.two_conditions import Condition
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ class Prover:
     ) -> None:
         self._cases, self._mbar, self._condition, self.worst = cases, mbar, condition, worst
         self.began, self.deadline, self._threads, self.progress = began, began + budget, threads, progress
-        self._hints: dict[tuple[Kind, int, bytes], Record] = {}
+        self._hints: dict[tuple[Kind, int, int, bytes], Record] = {}
         self.scale = 0.0
         self.level: float | None = None
         self.proofs: dict[str, tuple[Proof, ...]] = {}
@@ -173,27 +174,44 @@ class Prover:
     def _attempt(self, statements: list[Statement], label: str, patient: bool, key: str = "scale") -> Outcome:
         """Prove all of some statements, or say why not; where one is not positive, search on from there."""
         proofs = []
-        for number, statement in enumerate(statements):
-            watch = _Watch(self, label, patient, number, len(statements))
-            domain = self._cases[statement.case].domain
-            name = statement.kind, statement.case, statement.armature.tobytes()
-            walk = prove(
-                problem_of(domain.arm.tree, domain.box.lower, domain.box.upper, self._mbar, statement),
-                hint=self._hints.get(name, UNKNOWN),
-                deadline=self.deadline,
-                threads=self._threads,
-                watch=watch,
-            )
-            self.tests += walk.tests
-            if walk.status == "stopped":
-                return "slow" if watch.slow else "stopped"
-            if walk.q is not None:
-                self.worst.climb(statement.case, walk.q, statement.armature)
-                return "blocked"
-            self._hints[name] = walk.record
-            proofs.append(Proof(statement, walk.record))
+        parts = [branches(self._cases[statement.case].domain.arm.tree.parent) for statement in statements]
+        number, count = 0, sum(map(len, parts))
+        for statement, mine in zip(statements, parts, strict=True):
+            records = []
+            for joints in mine:
+                watch = _Watch(self, label, patient, number, count)
+                walk = self._walk(statement, joints, watch)
+                self.tests += walk.tests
+                if walk.status == "stopped":
+                    return "slow" if watch.slow else "stopped"
+                if walk.q is not None:
+                    # The other branches do not matter to this one: anywhere will do.
+                    q = np.array(self._cases[statement.case].domain.box.centre)
+                    q[joints] = walk.q
+                    self.worst.climb(statement.case, q, statement.armature)
+                    return "blocked"
+                records.append(in_joints(walk.record, joints))
+                number += 1
+            proofs.append(Proof(statement, np.concatenate(records)))
         self.proofs[key] = tuple(proofs)
         return "proven"
+
+    def _walk(self, statement: Statement, joints: IntArray, watch: _Watch) -> Walk:
+        """Bisect the box of one branch, beginning with the halvings of the last walk of it that was one to the end."""
+        domain = self._cases[statement.case].domain
+        lower, upper = domain.box.lower[joints], domain.box.upper[joints]
+        own = replace(statement, armature=statement.armature[joints], slack=statement.slack[joints])
+        name = statement.kind, statement.case, int(joints[0]), statement.armature.tobytes()
+        walk = prove(
+            problem_of(branch_of(domain.arm.tree, joints), lower, upper, self._mbar[joints], own),
+            hint=self._hints.get(name, UNKNOWN),
+            deadline=self.deadline,
+            threads=self._threads,
+            watch=watch,
+        )
+        if walk.status == "proven":
+            self._hints[name] = walk.record
+        return walk
 
 
 class _Watch:

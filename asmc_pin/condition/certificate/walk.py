@@ -153,6 +153,13 @@ class _Crew:
         return max(8, min(4 * most, int(most * _SLICE / max(took, 1e-6))))
 
 
+def in_joints(record: Record, joints: IntArray) -> Record:
+    """The record of some joints' box in the numbers that these joints have in the whole arm."""
+    numbers = np.arange(256, dtype=np.uint8)
+    numbers[: len(joints)] = joints
+    return numbers[record]
+
+
 def get_ready() -> None:
     """Compile what a walk needs, or read it from numba's cache, so that no clock runs meanwhile."""
     still, one = np.zeros((1, 6, 6)), np.ones((1, 1, 1))

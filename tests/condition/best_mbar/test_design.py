@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import json
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
+from arm_urdf import two_arms, write
 from condition_cases import UR5_MBAR, chain, explained_two_link_design
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asmc_pin import load_arm
+from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
 from asmc_pin.condition import CONDITIONS, DesignReport, design, lemma1_norm, search_worst, verify, weighted_norm
 from asmc_pin.condition.best_mbar.convex_program import Bounds, bandwidth_program, contraction_program
+from asmc_pin.condition.best_mbar.dual_bound import dual_bound
+from asmc_pin.condition.best_mbar.exchange import DesignProgress
 from asmc_pin.errors import ParameterError
 
 FREE = Bounds(np.zeros(2), np.full(2, np.inf))
@@ -218,3 +223,106 @@ def test_same_seed_gives_the_same_design() -> None:
     arm: Arm = load_arm("double_pendulum")
     first, second = (design(arm, explain=False, seed=4).mbar for _ in range(2))
     np.testing.assert_array_equal(first, second)
+
+
+@given(st.integers(0, 10_000), st.sampled_from(CONDITIONS), st.floats(1.0, 15.0))
+@settings(max_examples=25, deadline=None)
+def test_no_mbar_beats_the_dual_bound_however_near_to_singular_the_inertia(
+    seed: int, condition: str, digits: float
+) -> None:
+    rng = np.random.default_rng(seed)
+    turns = np.linalg.qr(rng.normal(size=(3, 3, 3)))[0]
+    masses = (turns * np.geomspace(1.0, 10.0**-digits, 3)) @ np.swapaxes(turns, 1, 2)
+    masses = 0.5 * (masses + np.swapaxes(masses, 1, 2))
+    if np.linalg.eigvalsh(masses).min() <= 0.0:
+        return  # rounding left no inertia
+    best = contraction_program(masses, condition, Bounds(np.zeros(3), np.full(3, np.inf)))
+    bandwidth_program(masses, condition, Bounds(np.zeros(3), np.full(3, np.inf)), 0.999)
+    assert best.bound >= 0.0
+    below = best.bound * (1.0 - 1e-12)
+    assert not all(has_less(mass, best.mbar, condition, below) for mass in masses)
+    for scale in np.geomspace(1e-6, 1.0, 13):
+        guess = scale * np.diagonal(masses, axis1=1, axis2=2).min(axis=0) * rng.uniform(0.3, 1.0, 3)
+        assert not all(has_less(mass, guess, condition, below) for mass in masses)
+    if digits < 4.0:
+        assert best.bound == pytest.approx(best.value, abs=1e-5)
+
+
+def has_less(mass: Array, mbar: Array, condition: str, level: float) -> bool:
+    """Whether the norm is below a level, in exact fractions: float64 has no digits left near singular inertia."""
+    n, g = len(mbar), Fraction(level)
+    M = [[Fraction(float(x)) for x in row] for row in mass]
+    D = [Fraction(float(m)) for m in mbar]
+    if condition == "weighted":
+        above = [[(1 + g) * M[i][j] - (D[i] if i == j else 0) for j in range(n)] for i in range(n)]
+        below = [[(D[i] if i == j else 0) - (1 - g) * M[i][j] for j in range(n)] for i in range(n)]
+        return positive(above) and positive(below)
+    # N M + M N − I − (1 − γ²) M N² M, with N = M̄⁻¹.
+    rest = 1 - g * g
+    return positive(
+        [
+            [
+                M[i][j] / D[i]
+                + M[i][j] / D[j]
+                - (i == j)
+                - rest * sum((M[i][k] * M[k][j] / D[k] ** 2 for k in range(n)), Fraction(0))
+                for j in range(n)
+            ]
+            for i in range(n)
+        ]
+    )
+
+
+def positive(S: list[list[Fraction]]) -> bool:
+    """Whether a symmetric matrix is positive definite, by its pivots."""
+    for k in range(len(S)):
+        if S[k][k] <= 0:
+            return False
+        for i in range(k + 1, len(S)):
+            share = S[i][k] / S[k][k]
+            S[i] = [a - share * b for a, b in zip(S[i], S[k], strict=True)]
+    return True
+
+
+@pytest.mark.parametrize("condition", CONDITIONS)
+def test_the_dual_bound_holds_whatever_multipliers_a_solver_gives(condition: str) -> None:
+    rng = np.random.default_rng(5)
+    roots = rng.normal(size=(3, 2, 2))
+    masses = roots @ np.swapaxes(roots, 1, 2) + 0.3 * np.eye(2)
+    inverse_roots = [np.linalg.inv(np.linalg.cholesky(mass)) for mass in masses]
+    best = contraction_program(masses, condition, FREE)
+    blocks, size = (1, 4) if condition == "lemma1" else (2, 2)
+    for _ in range(200):
+        duals = [[rng.normal(size=(size, size)) for _ in range(blocks)] for _ in masses]
+        bound = dual_bound(masses, inverse_roots, duals, condition, (FREE.lower, FREE.upper), False, 1.0)
+        assert bound <= best.value + 1e-6
+
+
+def test_where_the_solver_fails_there_is_a_cautious_mbar_and_no_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    import cvxpy as cp
+
+    def fail(self: object, **options: object) -> None:
+        raise cp.error.SolverError("failed")
+
+    monkeypatch.setattr(cp.Problem, "solve", fail)
+    masses = np.stack([np.diag([1.0, 2.0]), np.array([[3.0, 1.0], [1.0, 2.0]])])
+    found = contraction_program(masses, "weighted", FREE)
+    assert found.bound == 0.0
+    assert weighted_norm(masses, found.mbar).max() < 1.0
+    assert bandwidth_program(masses, "weighted", FREE, 0.9) is None
+
+
+def test_a_design_whose_time_is_up_says_what_it_has(tmp_path: Path) -> None:
+    arm = load_arm(write(tmp_path, two_arms(4, torso=True)))
+    told: list[DesignProgress] = []
+    report = design(arm, condition="weighted", budget=1e-3, progress=told.append)
+    assert report.mbar is not None
+    assert report.bound is not None
+    assert report.check is not None
+    assert report.rounds == 1
+    assert "budget of 0.001 s was up" in report.unfinished
+    assert any("not all was done" in line for line in report.lines())
+    assert report.to_json_dict()["bound_kind"] == "rigorous dual bound"
+    assert report.bound <= report.check.lower
+    assert told
+    assert told[-1].doing == "least norm"

@@ -38,6 +38,43 @@ def leaves(record: np.ndarray[tuple[int, ...], np.dtype[np.uint8]]) -> int:
     return int(np.count_nonzero(record == _LEAF))
 
 
+def by_branch(
+    record: np.ndarray[tuple[int, ...], np.dtype[np.uint8]], parent: IntArray
+) -> Iterator[tuple[IntArray, np.ndarray[tuple[int, ...], np.dtype[np.uint8]]]]:
+    """Cut a record into those of the branches that hang on the base, each a bisection of its own joints' box.
+
+    Args:
+        record: One complete bisection after the other, the branch of the first joint first.
+        parent: Index of each joint's parent, −1 for the base, shape (n,).
+
+    Yields:
+        A branch's joints, and its record in which these are numbered from 0.
+
+    Raises:
+        Broken: A record ends too soon, goes on too long, or halves a joint of another branch.
+    """
+    root: list[int] = []
+    for i, before in enumerate(parent.tolist()):
+        root.append(i if before < 0 else root[before])
+    at = 0
+    for first in sorted(set(root)):
+        joints = np.flatnonzero(np.array(root) == first)
+        local = {int(joint): number for number, joint in enumerate(joints)} | {_LEAF: _LEAF}
+        found, still_open = bytearray(), 1
+        while still_open:
+            if at == record.size:
+                raise Broken(f"the record ends with {still_open} boxes open")
+            byte = int(record[at])
+            if byte not in local:
+                raise Broken(f"byte {at} of the record halves a joint that is not of its branch")
+            found.append(local[byte])
+            still_open += -1 if byte == _LEAF else 1
+            at += 1
+        yield joints, np.frombuffer(bytes(found), dtype=np.uint8)
+    if at != record.size:
+        raise Broken(f"the record goes on after its last box, at byte {at}")
+
+
 def cells(record: np.ndarray[tuple[int, ...], np.dtype[np.uint8]], joints: int) -> Iterator[Cells]:
     """Decode a record: preorder, a byte per node, the joint that is halved (lower half first) or 255 for a leaf.
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asmc_pin._typing import Array
+from asmc_pin._typing import Array, IntArray
 from asmc_pin.condition.checker.reading.certificate_schema import Statement
 from asmc_pin.condition.checker.reading.link_chain import Chain
 
@@ -30,6 +30,8 @@ class Form:
         own_size: Row sums of the magnitudes that took part in `own`, which may be far above what is left, (n, e).
         exact: Whether joint 1 is followed over `range_1` and not cut into cells.
         range_1: Its range, rad.
+        lower: Of the whole box, shape (n,).
+        upper: The same.
     """
 
     chain: Chain
@@ -39,6 +41,8 @@ class Form:
     own_size: Array
     exact: bool
     range_1: tuple[float, float]
+    lower: Array
+    upper: Array
 
     def columns(self, i: int) -> Array:
         """Twists of joint i's body per unit of its velocities, shape (6p, e)."""
@@ -47,6 +51,24 @@ class Form:
     def body(self, i: int) -> Array:
         """Form of body i, shape (6p, 6p)."""
         return np.kron(self.pairing, self.chain.inertia[i])
+
+    def branch(self, joints: IntArray) -> Form:
+        """The form of the joints of one branch that hangs on the base, which no other branch enters."""
+        if joints.size == self.chain.parent.size:
+            return self
+        chain = self.chain
+        number = {int(joint): k for k, joint in enumerate(joints)} | {-1: -1}
+        own = Chain(
+            np.array([number[int(parent)] for parent in chain.parent[joints]]),
+            chain.place[joints],
+            chain.axis[joints],
+            chain.slides[joints],
+            chain.inertia[joints],
+        )
+        lower, upper = self.lower[joints], self.upper[joints]
+        exact, range_1 = _followed(own, lower, upper)
+        mixing, diagonal, size = self.mixing[joints], self.own[joints], self.own_size[joints]
+        return Form(own, self.pairing, mixing, diagonal, size, exact, range_1, lower, upper)
 
     def lift(self, X: Array) -> Array:
         """Block-diagonal motion transform of p twists, (..., 6p, 6p)."""
@@ -90,10 +112,16 @@ def form_of(chain: Chain, mbar: Array, statement: Statement, lower: Array, upper
             own[:, 0, 1] = own[:, 1, 0] = s * armature
             own -= (slack * abs(float(least)))[:, None, None] * np.outer(direction, direction)
             own_size = np.repeat(own_size, 2, axis=1) + (s * armature + 2.0 * slack)[:, None]
-    exact = bool(n > 1 and chain.parent[1] == 0 and not chain.slides[1])
+    exact, range_1 = _followed(chain, lower, upper)
+    return Form(chain, pairing, mixing, own, own_size, exact, range_1, lower, upper)
+
+
+def _followed(chain: Chain, lower: Array, upper: Array) -> tuple[bool, tuple[float, float]]:
+    """Whether joint 1 is followed exactly, and over which range."""
+    if not (chain.parent.size > 1 and chain.parent[1] == 0 and not chain.slides[1]):
+        return False, (0.0, 0.0)
     # One turn of it is all there is.
-    range_1 = (float(lower[1]), min(float(upper[1]), float(lower[1]) + _TURN)) if exact else (0.0, 0.0)
-    return Form(chain, pairing, mixing, own, own_size, exact, range_1)
+    return True, (float(lower[1]), min(float(upper[1]), float(lower[1]) + _TURN))
 
 
 def joint_space(form: Form, q: Array) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 
 from asmc_pin._typing import Array, IntArray
 from asmc_pin.condition.checker.balls.balls import BallArm
-from asmc_pin.condition.checker.boxes.bisection import cells, leaves
+from asmc_pin.condition.checker.boxes.bisection import by_branch, cells, leaves
 from asmc_pin.condition.checker.boxes.box_bounds import WIDE, holds
 from asmc_pin.condition.checker.boxes.quadratic_form import Form, form_of
 from asmc_pin.condition.checker.conclusions import armature_words
@@ -73,21 +73,32 @@ def replay_statement(
     case = told.cases[statement.case]
     lower, upper = np.array(case.lower), np.array(case.upper)
     form = form_of(chain, np.array(told.mbar), statement, lower, upper)
-    replay = _Replay(form, leaves(record), max(2, _SPOTS // len(told.statements)), seed, tell)
+    spotted = max(2, _SPOTS // len(told.statements))
     words = ", ".join(filter(None, (words, armature_words(told, statement))))
-    problem = ""
-    for piece in cells(record, len(told.joints)):
-        problem = replay.prove(*piece.boxes(lower, upper))
+    total, halved, problem = leaves(record), 0, ""
+    centres, halves = [], []
+    # M is block diagonal where branches hang on the base one by one: each has boxes of its own joints alone.
+    for joints, part in by_branch(record, chain.parent):
+        replay = _Replay(form.branch(joints), leaves(part), spotted, seed, tell)
+        for piece in cells(part, joints.size):
+            problem = replay.prove(*piece.boxes(lower[joints], upper[joints]))
+            if problem:
+                break
+        halved += replay.halved
         if problem:
             break
+        for centre, half in zip(*replay.chosen(), strict=True):
+            whole, still = 0.5 * (lower + upper), np.zeros_like(lower)
+            whole[joints], still[joints] = centre, half
+            centres.append(whole)
+            halves.append(still)
     spots = Spots()
     if not problem:
-        centres, halves = replay.chosen()
         least = max(4, _POINTS // len(told.statements))
-        spots = spot_checks(balls, form, statement, case, told.mbar, centres, halves, seed, least)
+        spots = spot_checks(balls, form, statement, case, told.mbar, np.array(centres), np.array(halves), seed, least)
         problem = spots.problem
     result = CheckedStatement(
-        statement.kind, statement.scale, statement.level, words, replay.total, replay.halved, not problem, spots
+        statement.kind, statement.scale, statement.level, words, total, halved, not problem, spots
     )
     return result, problem
 
