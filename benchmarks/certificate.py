@@ -32,6 +32,7 @@ CASES = {
     "xarm7 mid W": ("xarm7", MID7, "weighted", 0.01, 30, "f ≥ 1 in 10 s"),
     "panda bare W": ("panda", None, "weighted", 0.01, 60, "f ≥ 0.8 in 60 s, 0.9 in 300 s"),
     "xarm7 bare W": ("xarm7", None, "weighted", 0.01, 60, "f ≥ 0.8 in 60 s, 0.9 in 300 s"),
+    "kinova bare W": ("kinova", None, "weighted", 0.01, 60, "f ≥ 1 in 60 s"),
     "two_link L": ("two_link", None, "lemma1", 0.001, 5, "0.1 % in 1 s"),
     "double_pendulum L": ("double_pendulum", None, "lemma1", 0.001, 5, "0.1 % in 1 s"),
     "ur5 bare L": ("ur5", None, "lemma1", 0.02, 60, "5 % in 45 s, 2 % in 300 s"),
@@ -40,8 +41,9 @@ CASES = {
     "xarm7 mid L": ("xarm7", MID7, "lemma1", 0.02, 60, "as far as it goes"),
     "panda low L": ("panda", LOW7, "lemma1", 0.02, 60, "as far as it goes"),
     "xarm7 low L": ("xarm7", LOW7, "lemma1", 0.02, 60, "as far as it goes"),
-    "panda bare L": ("panda", None, "lemma1", 0.05, 60, "as far as it goes"),
-    "xarm7 bare L": ("xarm7", None, "lemma1", 0.05, 60, "as far as it goes"),
+    "kinova bare L": ("kinova", None, "lemma1", 0.01, 60, "f ≥ 1 in 60 s"),
+    "panda bare L": ("panda", None, "lemma1", 0.01, 120, "f ≥ 1 in 60 s, 1 % in 120 s"),
+    "xarm7 bare L": ("xarm7", None, "lemma1", 0.01, 120, "f ≥ 1 in 60 s, 1 % in 120 s"),
 }
 # Tubes of ±0.5 rad around a motion through the joint box, every time slice a box of its own: arm, armature.
 TUBES = {

@@ -16,11 +16,14 @@ from asmc_pin.clock import Clock
 from asmc_pin.condition.best_mbar.convex_program import Bounds, Solution, bandwidth_program, contraction_program
 from asmc_pin.condition.norm import compiled_norms
 from asmc_pin.condition.norm.two_conditions import Condition
-from asmc_pin.condition.search.samples import NORM, Domain, sample_box
+from asmc_pin.condition.search.samples import NORM, SCALE, Domain, sample_box
 from asmc_pin.condition.search.worst_case import Found, maximise
 
 TOLERANCE = 1e-3
 """Of 1 − γ (or of μ): how far the searched worst case may lie from the program's bound at the end."""
+
+_SMALLER = 0.9
+"""Share taken of the factor at which a search saw M̄ break the condition: it may have missed a worse place."""
 
 _SAMPLES, _STARTS, _FIRST, _TAKEN, _ROUNDS, _CONFIRMING = 2048, 24, 12, 8, 60, 6
 
@@ -220,10 +223,34 @@ def exchange(
         if best is None or level is not None or norm <= best.norm or pace.left() > 0.0:
             best = now
         if pace.left() <= 0.0:
+            if level is None and best.norm >= 1.0:
+                best = _shrunk(active, condition, bounds, best)
             return replace(best, solution=replace(best.solution, bound=bound), rounds=count)
         # A wider search has the last word; what it finds is taken in like the rest.
         effort = _CONFIRMING if met or new == 0 else 1
     return best
+
+
+def _shrunk(active: Active, condition: Condition, bounds: Bounds, best: Exchanged) -> Exchanged:
+    """An M̄ that breaks the condition, made small enough not to, as far as a search can tell and the bounds allow."""
+    mbar = best.solution.mbar
+
+    def worst(kind: int) -> float:
+        found = (
+            maximise(kind, domain, mbar, samples=_SAMPLES, starts=_STARTS, seed=active.seed)
+            for domain in active.domains
+        )
+        return max(item.value for item in found)
+
+    value = worst(SCALE[condition])
+    factor = _SMALLER * (-value if condition == "lemma1" else 2.0 / value)
+    if not 0.0 < factor < 1.0 or np.any(factor * mbar < bounds.lower):
+        return best
+    mbar = factor * mbar
+    norm, bandwidth = worst(NORM[condition]), -worst(compiled_norms.BANDWIDTH)
+    if not norm < best.norm:
+        return best
+    return replace(best, solution=replace(best.solution, mbar=mbar), norm=norm, bandwidth=bandwidth)
 
 
 def _take(active: Active, case: int, found: Found, above: float) -> int:

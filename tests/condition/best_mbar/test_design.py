@@ -323,6 +323,7 @@ def test_a_design_whose_time_is_up_says_what_it_has(tmp_path: Path) -> None:
     assert "budget of 0.001 s was up" in report.unfinished
     assert any("not all was done" in line for line in report.lines())
     assert report.to_json_dict()["bound_kind"] == "rigorous dual bound"
-    assert report.bound <= report.check.lower
+    # One program knows too little, and its M̄ is shrunk until the search finds nothing against it.
+    assert report.bound <= report.check.lower < 1.0
     assert told
     assert told[-1].doing == "least norm"

@@ -11,7 +11,6 @@ from asmc_pin.condition.certificate.compiled.joint_steps import spread, turn
 from asmc_pin.condition.certificate.compiled.loss_metric import metric_of
 from asmc_pin.condition.certificate.compiled.working_state import Problem, Scratch
 
-
 CRITICAL = 16.0
 """Weight of the critical motion against all motions together: neither does alone. Boxes tested of Lemma 1 at weights of
 1, 4, 16 and without the other: kinova at f = 1: 11,845, 12,561, 14,547, 154,317; xarm7 at f = 0.53: over 100,000,
