@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from asmc_pin.condition.best_mbar.design_report import DesignPoint as DesignPoint
     from asmc_pin.condition.best_mbar.design_report import DesignReport as DesignReport
     from asmc_pin.condition.best_mbar.design_report import WeightedDesign as WeightedDesign
+    from asmc_pin.condition.best_mbar.exchange import DesignProgress as DesignProgress
     from asmc_pin.condition.certificate import CertificateResult as CertificateResult
     from asmc_pin.condition.certificate import ProofProgress as ProofProgress
     from asmc_pin.condition.certificate import certify as certify

@@ -219,8 +219,8 @@ def exchange(
         now = Exchanged(solution, norm, bandwidth, count, configurations, *snapshot, met and effort > 1)
         if now.met:
             return now
-        # Stopped early, the M̄ of least norm that there was; else the last, of the program that knows most.
-        if best is None or level is not None or norm <= best.norm or pace.left() > 0.0:
+        # Stopped early, the M̄ of least norm that there was; with a level the last, of the program that knows most.
+        if best is None or level is not None or norm <= best.norm:
             best = now
         if pace.left() <= 0.0:
             if level is None and best.norm >= 1.0:
