@@ -5,6 +5,7 @@ from __future__ import annotations
 from asmc_pin.sampled.critical_points import Critical
 from asmc_pin.sampled.loop_limits import NOWHERE, Ends, gain_range, grid, stable_range
 from asmc_pin.sampled.sampled_loop import SampledLoop
+from asmc_pin.words.remedy_texts import MBAR_REMEDY
 from asmc_pin.words.text import rounded_down, rounded_up
 
 _FURTHEST = 1e4
@@ -22,7 +23,7 @@ def remedy(critical: Critical, loop: SampledLoop) -> str:
     if mbar == NOWHERE:
         return f"{none}, nor these with any multiple of it: 'asmc-pin design --gains' looks for all three together"
     if mbar[1] <= 1.0:
-        return f"{none}: scale it down; with these β and K_s it is {_stable(mbar)} times this M̄"
+        return f"{none}: {MBAR_REMEDY}; with these β and K_s it is {_stable(mbar)} times this M̄"
     return f"{none}; with these β and K_s it is {_stable(mbar)} times this M̄, which may break its condition"
 
 

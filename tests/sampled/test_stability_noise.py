@@ -17,7 +17,7 @@ from asmc_pin.cli import main
 from asmc_pin.controllers import CONTROLLERS, Setpoint
 from asmc_pin.engine import rollout
 from asmc_pin.experiment import Experiment
-from asmc_pin.plant import Friction, Plant, Sensor
+from asmc_pin.plant import Friction, Plant, Sensor, moving_arms
 from asmc_pin.sampled import SampledLoop, closed_loop, stability
 from asmc_pin.sampled.frozen_arms import gravity_stiffness
 from asmc_pin.sampled.noise_warnings import BUDGET, noise_warnings
@@ -273,7 +273,9 @@ def at_4_khz(**sensor: object) -> Experiment:
 
 def test_what_a_count_is_worth_is_told_before_the_run_with_bits_filter_and_period_that_would_do() -> None:
     experiment = at_4_khz()
-    lines = before_the_run(experiment, experiment.build_plant(), experiment.build_controllers(), {})
+    plant = experiment.build_plant()
+    moving = moving_arms(plant, experiment.period, experiment.duration)
+    lines = before_the_run(experiment, plant, moving, experiment.build_controllers(), {})
     (told,) = [line for line in lines if "one count" in line]
     assert "m̄ Δq/L² = (477.8, 672.6," in told.replace("672.7", "672.6")
     assert "on drives of (150, 150, 150, 28, 28, 28) N·m" in told
