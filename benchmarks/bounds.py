@@ -102,7 +102,7 @@ def main() -> None:
         page = Path(options.docs)
         text = page.read_text(encoding="utf-8")
         for place, (header, rows) in tables.items():
-            pattern = re.compile(rf"(<!-- begin {place} -->\n).*?(<!-- end {place} -->)", re.DOTALL)
+            pattern = re.compile(rf"(<!-- from here: {place} -->\n).*?(<!-- to here: {place} -->)", re.DOTALL)
             made = told(header, rows)
             text = pattern.sub(lambda match, made=made: match[1] + made + "\n" + match[2], text)
         write_whole(page, text)

@@ -20,9 +20,9 @@ from asmc_pin.sampled.linear_map import (
     spectral_radius,
 )
 from asmc_pin.sampled.loop_analysis import stability
-from asmc_pin.sampled.loop_certificate import certify_loop
 from asmc_pin.sampled.loop_limits import LoopLimits
-from asmc_pin.sampled.loop_proof import LoopProof
+from asmc_pin.sampled.proof.loop_certificate import certify_loop
+from asmc_pin.sampled.proof.loop_proof import LoopProof
 from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.sampled.sensor_model import LoopSensor, loop_sensor
 from asmc_pin.sampled.sensor_noise import LoopNoise

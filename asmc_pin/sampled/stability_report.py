@@ -17,7 +17,7 @@ from asmc_pin.words.shown import Cells, Shown
 from asmc_pin.words.text import printable, rounded_down, rounded_up
 
 if TYPE_CHECKING:
-    from asmc_pin.sampled.loop_proof import LoopProof
+    from asmc_pin.sampled.proof.loop_proof import LoopProof
 
 
 @dataclass(frozen=True, eq=False)

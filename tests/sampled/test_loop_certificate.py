@@ -20,7 +20,7 @@ from asmc_pin.condition.certificate.container import Container, digest, read
 from asmc_pin.condition.checker.loop_conclusion import ends_of_stability as checked_ends
 from asmc_pin.errors import ParameterError, ResultError
 from asmc_pin.sampled import closed_loop, spectral_radius
-from asmc_pin.sampled.loop_certificate import ends_of_stability
+from asmc_pin.sampled.proof.loop_certificate import ends_of_stability
 
 SENTENCE = "the loop frozen at every q of the box, without gravity, is stable"
 UR5_MBAR = 0.8 * np.array([0.1483264, 0.1674553, 0.1504278, 0.0810652, 0.0933441, 0.0171369])

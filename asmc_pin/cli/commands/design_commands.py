@@ -245,7 +245,7 @@ def stability(
 
 def _proof_of(arm: Arm, loop: SampledLoop, certificate: str | None, **options: Any) -> LoopProof:
     """What can be proven of a loop without gravity; after Ctrl-C undecided."""
-    from asmc_pin.sampled.loop_certificate import certify_loop
+    from asmc_pin.sampled.proof.loop_certificate import certify_loop
 
     budget = options["budget"]
     with interrupt.stopping_short() as go_on, progress_bar() as show:

@@ -10,7 +10,7 @@ from asmc_pin.condition.certificate.container import numbers
 from asmc_pin.condition.certificate.writing import Proof, write
 from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.errors import ResultError
-from asmc_pin.sampled.gravity_proof import Pieces
+from asmc_pin.sampled.proof.gravity_proof import Pieces
 from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.words.text import exact, printable, rounded_down, rounded_up
 
