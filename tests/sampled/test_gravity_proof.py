@@ -17,8 +17,8 @@ from asmc_pin.condition.checker.balls.balls import BallArm
 from asmc_pin.condition.checker.balls.gravity_gain import small_gain_holds, stiffness_in_balls
 from asmc_pin.condition.checker.reading.urdf_text import description
 from asmc_pin.sampled import spectral_radius
+from asmc_pin.sampled.frozen_arms import gravity_stiffness
 from asmc_pin.sampled.proof.gravity_proof import Pieces, pieces_of, stiffness_bound
-from asmc_pin.sampled.workspace_worst import gravity_stiffness
 
 LOOPS = [(20.0, 20.0, 1e-3, 0.05, 1.2), (5.0, 40.0, 2e-3, 0.2, 1.6), (1.0, 200.0, 1e-3, 0.03, 1.1)]
 

@@ -16,7 +16,7 @@ from asmc_pin.condition import lemma1_norm, weighted_norm
 from asmc_pin.condition.certificate.container import read
 from asmc_pin.errors import NotPositiveDefinite
 from asmc_pin.sampled import SampledLoop, spectral_radius
-from asmc_pin.sampled.workspace_worst import gravity_stiffness
+from asmc_pin.sampled.frozen_arms import gravity_stiffness
 
 SAMPLES = 400
 
