@@ -19,8 +19,11 @@ if TYPE_CHECKING:
     from asmc_pin.arms.arm_options import Unchanged as Unchanged
     from asmc_pin.baselines import BASELINES as BASELINES
     from asmc_pin.baselines import ModelLaw as ModelLaw
+    from asmc_pin.condition import Bound as Bound
+    from asmc_pin.condition import BoundsReport as BoundsReport
     from asmc_pin.condition import ConditionReport as ConditionReport
     from asmc_pin.condition import Recording as Recording
+    from asmc_pin.condition import bounds as bounds
     from asmc_pin.condition import certified as certified
     from asmc_pin.condition import design as design
     from asmc_pin.condition import lemma1_norm as lemma1_norm
@@ -39,7 +42,9 @@ if TYPE_CHECKING:
     from asmc_pin.condition.checker import CheckedStatement as CheckedStatement
     from asmc_pin.condition.checker import CheckResult as CheckResult
     from asmc_pin.condition.checker import check as check
+    from asmc_pin.condition.checker.bounds_conclusion import BoundsConclusion as BoundsConclusion
     from asmc_pin.condition.checker.conclusions import Conclusion as Conclusion
+    from asmc_pin.condition.checker.loop_conclusion import LoopConclusion as LoopConclusion
     from asmc_pin.condition.checker.spot_checks import Spots as Spots
     from asmc_pin.condition.hypotheses import Carried as Carried
     from asmc_pin.condition.hypotheses import Hypotheses as Hypotheses
@@ -100,9 +105,11 @@ if TYPE_CHECKING:
     from asmc_pin.results.result_folder import load_result as load_result
     from asmc_pin.sampled import LoopLimits as LoopLimits
     from asmc_pin.sampled import LoopNoise as LoopNoise
+    from asmc_pin.sampled import LoopProof as LoopProof
     from asmc_pin.sampled import LoopSensor as LoopSensor
     from asmc_pin.sampled import SampledLoop as SampledLoop
     from asmc_pin.sampled import StabilityReport as StabilityReport
+    from asmc_pin.sampled import certify_loop as certify_loop
     from asmc_pin.sampled import loop_sensor as loop_sensor
     from asmc_pin.sampled import stability as stability
     from asmc_pin.sampled.gain_design import ExpectedErrors as ExpectedErrors

@@ -23,7 +23,8 @@ from asmc_pin import _typing
 from asmc_pin.lazy import homes_of
 
 VERBS = [
-    *("load_arm", "lemma1_norm", "weighted_norm", "verify", "certify", "check", "design", "stability"),
+    *("load_arm", "lemma1_norm", "weighted_norm", "verify", "certify", "check", "design", "bounds", "stability"),
+    "certify_loop",
     *("suggest_gains", "agree", "load_experiment", "compare", "reproduce", "rollout", "view"),
 ]
 
@@ -31,8 +32,13 @@ VERBS = [
 OURS = {
     "Arm.tree",
     "Arm.made_of",
+    "BoundsReport.cases",
+    "BoundsReport.proofs",
     "CertificateResult.cases",
     "CertificateResult.proofs",
+    "LoopProof.cases",
+    "LoopProof.pieces",
+    "LoopProof.proofs",
 }
 
 
@@ -92,7 +98,8 @@ def deferred(module: types.ModuleType) -> dict[str, object]:
 def hints(thing: object) -> dict[str, object]:
     modules = [sys.modules[base.__module__] for base in reversed(getattr(thing, "__mro__", (thing,)))]
     # An alias of another module may hold a name that only stands there.
-    known = vars(collections.abc) | vars(_typing) | {name: getattr(asmc_pin, name) for name in asmc_pin.__all__}
+    known = vars(collections.abc) | vars(_typing) | {"Any": typing.Any}
+    known |= {name: getattr(asmc_pin, name) for name in asmc_pin.__all__}
     for module in modules:
         known |= vars(module)
         if module.__name__.startswith("asmc_pin"):

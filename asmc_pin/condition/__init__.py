@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from asmc_pin.condition.domain.recorded_motion import Recording as Recording
     from asmc_pin.condition.domain.recorded_motion import read_recording as read_recording
     from asmc_pin.condition.domain.recorded_motion import tde_error as tde_error
+    from asmc_pin.condition.inertia_bounds.bounding import bounds as bounds
+    from asmc_pin.condition.inertia_bounds.bounds_report import Bound as Bound
+    from asmc_pin.condition.inertia_bounds.bounds_report import BoundsReport as BoundsReport
     from asmc_pin.condition.norm.two_conditions import CONDITIONS as CONDITIONS
     from asmc_pin.condition.norm.two_conditions import Condition as Condition
     from asmc_pin.condition.norm.two_conditions import lemma1_norm as lemma1_norm

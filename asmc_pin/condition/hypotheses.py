@@ -243,6 +243,13 @@ class Hypotheses(Premises):
         return found + others
 
 
+def scaling_words(scaling: Sequence[float]) -> str:
+    """A diagonal scaling of the joints, q̇ = S x, for a person to read."""
+    if all(s == 1.0 for s in scaling):
+        return "none (S = I)"
+    return f"S = diag({', '.join(exact(s) for s in scaling)}), q̇ = S x"
+
+
 def fold_locks(choices: Sequence[Mapping[str, float]]) -> tuple[dict[str, float | tuple[float, ...]], bool]:
     """The locked joints of several arms in one mapping.
 

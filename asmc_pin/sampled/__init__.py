@@ -21,6 +21,8 @@ from asmc_pin.sampled.linear_map import (
 )
 from asmc_pin.sampled.loop_analysis import stability
 from asmc_pin.sampled.loop_limits import LoopLimits
+from asmc_pin.sampled.proof.loop_certificate import certify_loop
+from asmc_pin.sampled.proof.loop_proof import LoopProof
 from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.sampled.sensor_model import LoopSensor, loop_sensor
 from asmc_pin.sampled.sensor_noise import LoopNoise
@@ -30,11 +32,13 @@ __all__ = [
     "ClosedLoop",
     "LoopLimits",
     "LoopNoise",
+    "LoopProof",
     "LoopSensor",
     "SampledLoop",
     "StabilityReport",
     "StepResponse",
     "TrackingPrediction",
+    "certify_loop",
     "closed_loop",
     "drift_error",
     "inertia_ratios",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.sampled.sensor_noise import NOISE_KEYS, LoopNoise
 from asmc_pin.words.shown import Cells, Shown
 from asmc_pin.words.text import printable, rounded_down, rounded_up
+
+if TYPE_CHECKING:
+    from asmc_pin.sampled.proof.loop_proof import LoopProof
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +52,7 @@ class StabilityReport(Shown):
         remedy: What would make an unstable loop stable; empty for a stable one, or if limits were not asked for.
         configurations: How many were tried for the verdict.
         seconds: Wall time.
+        proof: What is proven of it; None if not asked for.
         noise: What the sensors' noise makes of torque and error; None if no noise was named.
     """
 
@@ -62,6 +66,7 @@ class StabilityReport(Shown):
     remedy: str
     configurations: int
     seconds: float
+    proof: LoopProof | None = None
     noise: LoopNoise | None = None
 
     @property
@@ -97,7 +102,14 @@ class StabilityReport(Shown):
     @property
     def stable(self) -> bool:
         """Whether every frozen loop that was tried is stable, with and without gravity's stiffness."""
-        return self.spectral_radius < 1.0 and self.rest_radius < 1.0
+        refuted = self.proof is not None and self.proof.verdict == "unstable"
+        return self.spectral_radius < 1.0 and self.rest_radius < 1.0 and not refuted
+
+    @property
+    def kind(self) -> Literal["searched", "certified"]:
+        """``certified`` where a proof decides about the loop without gravity; of gravity `LoopProof.gravity` says."""
+        decided = self.proof is not None and self.proof.verdict != "undecided"
+        return "certified" if decided else "searched"
 
     @property
     def verdict(self) -> Literal["stable", "unstable"]:
@@ -128,7 +140,7 @@ class StabilityReport(Shown):
             "pairing": "mean" if loop.averages_torque else "last",
             **(dict.fromkeys(NOISE_KEYS) if self.noise is None else self.noise.to_json_dict()),
             "verdict": self.verdict,
-            "kind": "searched",
+            "kind": self.kind,
             "spectral_radius": self.spectral_radius,
             "worst_q": self.worst_q.tolist(),
             "decay_rate": self.decay_rate,
@@ -141,6 +153,8 @@ class StabilityReport(Shown):
             "configurations": self.configurations,
             "seconds": self.seconds,
         }
+        if self.proof is not None:
+            result["proof"] = self.proof.to_json_dict()
         if limits is not None:
             result |= {
                 "gain_scale_min": limits.gain_range[0],
@@ -174,6 +188,8 @@ class StabilityReport(Shown):
         ]
         if self.rest_radius >= 1.0 > self.spectral_radius:
             text.append("unstable through gravity: the arm falls faster than the torque estimate follows")
+        if self.proof is not None:
+            text += self.proof.lines()
         if self.limits is not None:
             text += _limit_lines(self.loop, self.limits) if self.stable else [f"remedy: {self.remedy}"]
         return text + ([] if self.noise is None else self.noise.lines(self.loop))

@@ -12,7 +12,8 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.certificate.container import FORMAT
 from asmc_pin.condition.checker.balls.balls import BallArm
 from asmc_pin.condition.checker.boxes.quadratic_form import Form
-from asmc_pin.condition.checker.reading.certificate_schema import Case, Contents, Statement, contents
+from asmc_pin.condition.checker.reading.certificate_schema import Contents, contents
+from asmc_pin.condition.checker.reading.header_parts import Case, Statement
 from asmc_pin.condition.checker.reading.link_chain import Chain, chain_of, cross
 from asmc_pin.condition.checker.reading.urdf_text import description
 

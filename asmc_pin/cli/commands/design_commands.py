@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
+from asmc_pin.cli import interrupt
 from asmc_pin.cli.app import app
 from asmc_pin.cli.commands.condition_commands import EXIT, check_proof_options, prove, report_path, write_page
 from asmc_pin.cli.console import note, print_json, progress_bar, say
@@ -44,6 +45,10 @@ from asmc_pin.cli.sensor_options import (
 )
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Acceleration, Form, Objective
+
+if TYPE_CHECKING:
+    from asmc_pin.arms import Arm
+    from asmc_pin.sampled import LoopProof, SampledLoop
 
 AccelerationOption: TypeAlias = Annotated[
     Acceleration, typer.Option("--acceleration", metavar="velocity|position", help="How q̈(t−L) is estimated.")
@@ -176,6 +181,9 @@ def stability(
     armature: ArmatureOption = None,
     lock: LockOption = None,
     gravity: GravityOption = None,
+    certify: CertifyOption = False,
+    budget: BudgetOption = 60.0,
+    certificate: CertificateOption = None,
     figures: Annotated[
         str | None,
         typer.Option(metavar="DIR", help="Draw the stable region, over β and k_s and over L, into this folder."),
@@ -186,7 +194,12 @@ def stability(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Analyse the sampled loop, frozen over the workspace. Exit status 1 when it is unstable somewhere."""
+    """Analyse the sampled loop, frozen over the workspace. Exit status 1 when it is unstable somewhere.
+
+    With --certify it is proven, without gravity, to be stable at every configuration of the box; 3: neither proven nor
+    refuted within the budget.
+    """
+    check_proof_options(certify, certificate)
     page = report_path(report)
     values, slopes, ranges = per_joint(mbar, "--mbar"), per_joint(ks, "--ks"), parse_box(box)
     rate, length = number(beta, "--beta"), number(period, "--period")
@@ -217,6 +230,8 @@ def stability(
         box=ranges,
         **domain,
     )
+    if certify:
+        found = replace(found, proof=_proof_of(loaded, found.loop, certificate, budget=budget, box=ranges, **domain))
     if figures is not None:
         from asmc_pin.pages.stability_figures import save_figures
 
@@ -232,4 +247,25 @@ def stability(
         print_json(found.to_json_dict())
     else:
         say(*found.lines())
-    raise typer.Exit(0 if found.stable else 1)
+    open_question = found.proof is not None and found.proof.verdict == "undecided"
+    raise typer.Exit(1 if not found.stable else 3 if open_question else 0)
+
+
+def _proof_of(arm: Arm, loop: SampledLoop, certificate: str | None, **options: Any) -> LoopProof:
+    """What can be proven of a loop without gravity; after Ctrl-C undecided."""
+    from asmc_pin.sampled.proof.loop_certificate import certify_loop
+
+    budget = options["budget"]
+    with interrupt.stopping_short() as go_on, progress_bar() as show:
+
+        def tell(state: Any) -> None:
+            go_on()
+            show(f"proving the {state.trying} of M against M̄", min(state.seconds / budget, 1.0))
+
+        proof = certify_loop(arm, loop, progress=tell, **options)
+    if certificate is not None:
+        if proof.verdict != "undecided":
+            note(f"certificate: {proof.save(certificate)}")
+        else:
+            note(f"nothing is proven, so no certificate was written to {certificate}")
+    return proof

@@ -24,13 +24,13 @@ from asmc_pin.errors import ParameterError
 
 @app.command()
 def check(
-    certificate: Annotated[str, typer.Argument(metavar="CERTIFICATE", help="A file of 'verify --certificate'.")],
+    certificate: Annotated[str, typer.Argument(metavar="CERTIFICATE", help="A file of --certificate.")],
     as_json: JsonOption = False,
 ) -> None:
-    """Replay a certificate by two other routes.
+    """Replay a certificate by two other routes: of a condition on M̄, of bounds of M(q), or of a sampled loop.
 
-    Exit status 0: the certificate is valid and its M̄ proven; 1: not valid, or valid and a counter-example to its M̄,
-    the text says which; 2: unreadable as a certificate; 3: valid, and its M̄ undecided.
+    Exit status 0: the certificate is valid and what it is about proven; 1: not valid, or valid and a counter-example,
+    the text says which; 2: unreadable as a certificate; 3: valid, and what it is about undecided.
     """
     check_readable(certificate, "the certificate")
     from asmc_pin.condition.checker import check as run
@@ -41,7 +41,7 @@ def check(
         print_json(result.to_json_dict())
     else:
         say(*result.lines())
-    raise typer.Exit(1 if result.verdict is None else EXIT[result.verdict])
+    raise typer.Exit(1 if result.verdict is None else {"stable": 0, "unstable": 1, **EXIT}[result.verdict])
 
 
 @app.command()

@@ -9,9 +9,11 @@ from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
-from asmc_pin.condition.checker.reading.certificate_schema import Case, Contents, Malformed, Statement
+from asmc_pin.condition.checker.reading.certificate_schema import Contents
+from asmc_pin.condition.checker.reading.header_parts import Case, Header, Malformed, Statement
+from asmc_pin.words.text import rounded_down, rounded_up
 
 Verdict: TypeAlias = Literal["holds", "violated", "undecided"]
 
@@ -51,6 +53,25 @@ class Conclusion:
     upper: float | None
     scale_proven: float
     scale_refuted: float | None
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """The keys of ``check --json``."""
+        return dict(self.__dict__)
+
+    def lines(self) -> list[str]:
+        """For a person to read, a line each."""
+        scale = rounded_down(self.scale_proven)
+        parts = [f"the condition is proven for M̄ × {scale}"] if self.scale_proven > 0.0 else []
+        if self.scale_refuted is not None:
+            parts.append(
+                f"broken for M̄ × {rounded_up(self.scale_refuted)}"
+                if self.scale_refuted > 0.0
+                else "broken for every multiple of M̄"
+            )
+        parts.append(f"the norm is at least {rounded_down(self.lower)} at the worst configuration known")
+        if self.upper is not None:
+            parts.append(f"and proven to be below {rounded_up(self.upper)}")
+        return [f"{self.verdict}: {', '.join(parts)}"]
 
 
 def conclude(told: Contents, witness: Witness) -> Conclusion:
@@ -103,7 +124,7 @@ def disagreements(told: Contents, found: Conclusion) -> list[str]:
     return said
 
 
-def armature_words(told: Contents, statement: Statement) -> str:
+def armature_words(told: Header, statement: Statement) -> str:
     """At which corner of its case's range of the armature a statement is proven; empty where it is the whole range.
 
     Raises:
@@ -111,7 +132,7 @@ def armature_words(told: Contents, statement: Statement) -> str:
     """
     case = told.cases[statement.case]
     low, high = case.armature_lower, case.armature_upper
-    if statement.kind in ("bounded", "level") and statement.scale != 1.0:
+    if isinstance(told, Contents) and statement.kind in ("bounded", "level") and statement.scale != 1.0:
         raise Malformed(f"a statement '{statement.kind}' is not about M̄ itself")
     whole = statement.armature == low
     if statement.kind in ("bounded", "level"):
@@ -144,9 +165,19 @@ def _level(condition: str, own: Sequence[Statement], case: Case) -> float | None
 
 def _weighted_level(statements: Sequence[Statement], case: Case) -> bool:
     """M̄ ≺ (1 + γ) M at the least armature, and (1 − γ) M ≺ M̄ at the largest."""
-    above = any(s.kind == "weighted" and _below(s.armature, case.armature_lower) for s in statements)
-    below = any(s.kind == "bounded" and _below(case.armature_upper, _with_slack(s)) for s in statements)
+    above = any(s.kind == "weighted" and covers_below(s, case) for s in statements)
+    below = any(s.kind == "bounded" and covers_above(s, case) for s in statements)
     return above and below
+
+
+def covers_below(statement: Statement, case: Case) -> bool:
+    """Whether what is proven from below covers a case's range of the armature: more of it only adds to M."""
+    return _below(statement.armature, case.armature_lower)
+
+
+def covers_above(statement: Statement, case: Case) -> bool:
+    """Whether what is proven from above covers it."""
+    return _below(case.armature_upper, _with_slack(statement))
 
 
 def _lemma1_level(statements: Sequence[Statement], case: Case) -> bool:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from asmc_pin.condition.checker.bounds_conclusion import BoundsConclusion
 from asmc_pin.condition.checker.conclusions import Conclusion
+from asmc_pin.condition.checker.loop_conclusion import LoopConclusion
 from asmc_pin.condition.checker.spot_checks import Spots
-from asmc_pin.condition.hypotheses import Hypotheses
+from asmc_pin.condition.hypotheses import Hypotheses, Premises
 from asmc_pin.words.text import printable, rounded_down, rounded_up, visible
 
 
@@ -57,14 +59,14 @@ class CheckResult:
     path: str
     valid: bool
     problems: tuple[str, ...]
-    hypotheses: Hypotheses | None
-    conclusion: Conclusion | None
+    hypotheses: Premises | None
+    conclusion: Conclusion | BoundsConclusion | LoopConclusion | None
     statements: tuple[CheckedStatement, ...]
     seconds: float
 
     @property
     def verdict(self) -> str | None:
-        """``holds``, ``violated`` or ``undecided``; None where the certificate is not valid."""
+        """``holds``, ``violated`` or ``undecided``, of a loop ``stable`` or ``unstable``; None if it is not valid."""
         return None if self.conclusion is None else self.conclusion.verdict
 
     # As of `asmc_pin.words.shown.Shown`, which a checker that shares nothing does not share either.
@@ -85,7 +87,7 @@ class CheckResult:
             "valid": self.valid,
             "problems": list(self.problems),
             **(about if self.hypotheses is None else self.hypotheses.to_json_dict()),
-            **(shown if self.conclusion is None else self.conclusion.__dict__),
+            **(shown if self.conclusion is None else self.conclusion.to_json_dict()),
             "kind": "certified",
             "statements": [statement.to_json_dict() for statement in self.statements],
             "seconds": self.seconds,
@@ -96,8 +98,8 @@ class CheckResult:
         found = [f"{printable(self.path)}: {'valid' if self.valid else 'NOT VALID: it proves nothing'}"]
         found += [f"problem: {problem}" for problem in self.problems]
         if self.conclusion is not None and self.hypotheses is not None:
-            found.append(f"{self.conclusion.verdict}: {_shown(self.conclusion)}")
-            if self.hypotheses.level < 1.0:
+            found += self.conclusion.lines()
+            if isinstance(self.hypotheses, Hypotheses) and self.hypotheses.level < 1.0:
                 found.append(f"the verdict is about {self.hypotheses.formula}, the scales are about the norm below 1")
             found += self.hypotheses.lines()
         found += [_line(statement) for statement in self.statements]
@@ -111,22 +113,6 @@ class CheckResult:
                 f"boxes in them{size}, satisfy their statements"
             )
         return [*found, f"  {self.seconds:.1f} s"]
-
-
-def _shown(found: Conclusion) -> str:
-    scale = rounded_down(found.scale_proven)
-    said = f"the condition is proven for M̄ × {scale}" if found.scale_proven > 0.0 else ""
-    parts = [said] if said else []
-    if found.scale_refuted is not None:
-        parts.append(
-            f"broken for M̄ × {rounded_up(found.scale_refuted)}"
-            if found.scale_refuted > 0.0
-            else "broken for every multiple of M̄"
-        )
-    parts.append(f"the norm is at least {rounded_down(found.lower)} at the worst configuration known")
-    if found.upper is not None:
-        parts.append(f"and proven to be below {rounded_up(found.upper)}")
-    return ", ".join(parts)
 
 
 def _line(s: CheckedStatement) -> str:

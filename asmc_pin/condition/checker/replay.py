@@ -15,15 +15,28 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from flint import arb, ctx
 
 from asmc_pin.condition.certificate.container import Container, digest, read
-from asmc_pin.condition.checker.balls.balls import BallArm
+from asmc_pin.condition.checker.balls.balls import PRECISIONS, BallArm
+from asmc_pin.condition.checker.balls.gravity_gain import small_gain_holds, stiffness_in_balls
+from asmc_pin.condition.checker.balls.rayleigh import eigenvalues_seen
+from asmc_pin.condition.checker.balls.velocity_forces import velocity_forces_in_balls
 from asmc_pin.condition.checker.balls.witness import witness
+from asmc_pin.condition.checker.bounds_conclusion import BoundsConclusion, conclude_bounds
 from asmc_pin.condition.checker.boxes.bisection import Broken
 from asmc_pin.condition.checker.boxes.statements import replay_statement
 from asmc_pin.condition.checker.conclusions import Conclusion, conclude, disagreements
+from asmc_pin.condition.checker.loop_conclusion import LoopConclusion, conclude_loop
 from asmc_pin.condition.checker.outcome import CheckedStatement, CheckResult
-from asmc_pin.condition.checker.reading.certificate_schema import Contents, Malformed, contents
+from asmc_pin.condition.checker.reading.certificate_schema import (
+    BoundsContents,
+    Contents,
+    GravityClaim,
+    LoopContents,
+    contents,
+)
+from asmc_pin.condition.checker.reading.header_parts import Header, Malformed
 from asmc_pin.condition.checker.reading.link_chain import Chain, chain_of
 from asmc_pin.condition.checker.reading.subject import Subject, subject
 from asmc_pin.condition.checker.reading.urdf_text import Unreadable, description
@@ -65,7 +78,7 @@ def check(path: str | Path, *, progress: Callable[[str, float], None] | None = N
     problems: list[str] = []
     checked: list[CheckedStatement] = []
     about: Subject | None = None
-    conclusion: Conclusion | None = None
+    conclusion: Conclusion | BoundsConclusion | LoopConclusion | None = None
     try:
         told = contents(container.header)
         problems += _fingerprints(container, told)
@@ -73,8 +86,8 @@ def check(path: str | Path, *, progress: Callable[[str, float], None] | None = N
         with np.errstate(all="ignore"):
             arms = _arms(told, container.urdf)
             about = arms.about
-            found = conclude(told, witness(told, arms.balls, arms.chains))
-            problems += disagreements(told, found)
+            found, claims = _conclusion(told, arms)
+            problems += claims
             # What fails already is not worth the hours that its proof may take.
             if not problems:
                 problems += _statements(container, told, arms, checked, progress)
@@ -94,7 +107,32 @@ def check(path: str | Path, *, progress: Callable[[str, float], None] | None = N
     )
 
 
-def _fingerprints(container: Container, told: Contents) -> list[str]:
+def _conclusion(told: Header, arms: _Arms) -> tuple[Conclusion | BoundsConclusion | LoopConclusion, list[str]]:
+    """What follows if every statement is true, and what the header claims beyond it, a sentence each."""
+    if isinstance(told, BoundsContents):
+        with ctx.workprec(PRECISIONS[0]):
+            weights = [1 / arb(s) ** 2 for s in told.scaling]
+
+        def forces(largest: float | None) -> float:
+            ends = zip(told.cases, arms.balls, strict=True)
+            return max(velocity_forces_in_balls(arm, c.lower, c.upper, told.scaling, largest) for c, arm in ends)
+
+        return conclude_bounds(told, eigenvalues_seen(told, weights, arms.balls, arms.chains), forces)
+    if isinstance(told, LoopContents):
+        weights = [arb(m) for m in told.mbar]
+
+        def resists(claim: GravityClaim) -> bool:
+            ends = zip(told.cases, arms.balls, strict=True)
+            springs = [stiffness_in_balls(arm, c.lower, c.upper, told.mbar, claim.magnitude) for c, arm in ends]
+            return small_gain_holds(told, claim.pieces, max(springs))
+
+        return conclude_loop(told, eigenvalues_seen(told, weights, arms.balls, arms.chains), resists)
+    assert isinstance(told, Contents)
+    found = conclude(told, witness(told, arms.balls, arms.chains))
+    return found, disagreements(told, found)
+
+
+def _fingerprints(container: Container, told: Header) -> list[str]:
     """Whether the file is as it was written, and the URDF the one it was written for."""
     found = []
     if digest(container.header, container.urdf, container.records) != told.digest:
@@ -106,7 +144,7 @@ def _fingerprints(container: Container, told: Contents) -> list[str]:
     return found
 
 
-def _arms(told: Contents, urdf: str) -> _Arms:
+def _arms(told: Header, urdf: str) -> _Arms:
     """The arm of each case from the URDF's text, compared with inertia matrices that the prover's arm had.
 
     Raises:
@@ -134,7 +172,7 @@ def _arms(told: Contents, urdf: str) -> _Arms:
 
 def _statements(
     container: Container,
-    told: Contents,
+    told: Header,
     arms: _Arms,
     checked: list[CheckedStatement],
     progress: Callable[[str, float], None] | None,

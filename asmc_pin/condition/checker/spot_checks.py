@@ -15,7 +15,7 @@ from flint import arb, ctx
 from asmc_pin._typing import Array
 from asmc_pin.condition.checker.balls.balls import PRECISIONS, BallArm, holds
 from asmc_pin.condition.checker.boxes.quadratic_form import Form, least_eigenvalues
-from asmc_pin.condition.checker.reading.certificate_schema import Case, Statement
+from asmc_pin.condition.checker.reading.header_parts import Case, Statement
 
 _TRIED = 256
 """Configurations of a cell among which the one with least left is looked for."""

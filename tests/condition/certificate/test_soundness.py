@@ -21,7 +21,7 @@ from asmc_pin.condition.certificate.statement_forms import Kind, canonical
 from asmc_pin.condition.checker import check
 from asmc_pin.condition.checker.boxes.box_bounds import holds
 from asmc_pin.condition.checker.boxes.quadratic_form import form_of
-from asmc_pin.condition.checker.reading.certificate_schema import Statement
+from asmc_pin.condition.checker.reading.header_parts import Statement
 from asmc_pin.condition.checker.reading.link_chain import Chain
 from asmc_pin.rigid_body.tree import Tree
 

@@ -13,7 +13,7 @@ import pytest
 
 from asmc_pin.condition.certificate.container import FORMAT, digest, numbers
 from asmc_pin.condition.checker import CheckResult, check
-from asmc_pin.condition.checker.reading.certificate_schema import Load
+from asmc_pin.condition.checker.reading.header_parts import Load
 from asmc_pin.condition.checker.reading.link_chain import chain_of
 from asmc_pin.condition.checker.reading.urdf_text import Unreadable, description
 

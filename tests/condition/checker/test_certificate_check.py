@@ -19,7 +19,7 @@ from asmc_pin.condition.certificate import certify
 from asmc_pin.condition.certificate.container import digest, numbers, read
 from asmc_pin.condition.checker import check
 from asmc_pin.condition.checker.boxes.bisection import Broken, cells
-from asmc_pin.condition.checker.reading.certificate_schema import Load
+from asmc_pin.condition.checker.reading.header_parts import Load
 from asmc_pin.condition.checker.reading.link_chain import chain_of
 from asmc_pin.condition.checker.reading.urdf_text import Unreadable, description
 from asmc_pin.errors import ResultError

@@ -19,7 +19,7 @@ from certificate_cases import blocks
 from certificate_truth import untruths
 from condition_cases import chain
 
-from asmc_pin import load_arm
+from asmc_pin import BoundsReport, LoopProof, SampledLoop, bounds, certify_loop, load_arm
 from asmc_pin.arms import Arm, Payload
 from asmc_pin.condition.certificate import CertificateResult, certify
 from asmc_pin.condition.certificate.container import Container, digest, read
@@ -31,7 +31,7 @@ SHARES = 40
 """The mutations are dealt into so many hands, of which the quick suite plays one, `make test-all` a third
 and `make soundness` all."""
 
-KINDS = ("level", "ranges", "payload", "locks", "violated", "tube", "asked")
+KINDS = ("level", "ranges", "payload", "locks", "violated", "tube", "asked", "bounds", "loop", "unstable")
 LOAD = Payload(0.5, com=(0.02, 0.0, 0.05), inertia=(0.01, 0.001, 0.0, 0.02, 0.0, 0.015))
 
 
@@ -40,7 +40,7 @@ def _mbar(arm: Arm, share: float) -> Any:
     return np.full(arm.nv, share * np.linalg.eigvalsh(arm.mass_matrix(q)).min())
 
 
-def _made(kind: str, folder: Path) -> CertificateResult:
+def _made(kind: str, folder: Path) -> CertificateResult | BoundsReport | LoopProof:
     arm = load_arm("two_link")
     quick: dict[str, Any] = {"gap": 0.3, "budget": 5.0}
     if kind == "level":
@@ -55,6 +55,11 @@ def _made(kind: str, folder: Path) -> CertificateResult:
         return certify(sliding, _mbar(sliding, 0.4)[:2], condition="weighted", lock={"j2": (0.1, 0.5)}, **quick)
     if kind == "violated":
         return certify(load_arm("double_pendulum"), 5.0, condition="weighted", gap=0.5, budget=1e-4)
+    if kind == "bounds":
+        return bounds(arm, scaling=[1.0, 2.5], payload=(0.0, 0.4), armature=[(0.01, 0.02), (0.0, 0.01)], gap=0.05)
+    if kind in ("loop", "unstable"):
+        gain = 20.0 if kind == "loop" else 200.0
+        return certify_loop(arm, SampledLoop(np.full(2, 0.03), gain, gain, 1e-3), armature=[(0.01, 0.02), (0.0, 0.0)])
     if kind == "tube":
         along = load_experiment("baek2016_simulation_smooth")
         return certify(arm, 0.01, condition="lemma1", along=along, tube_width=0.02, slices=3, **quick)

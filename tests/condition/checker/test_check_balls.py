@@ -25,7 +25,8 @@ from asmc_pin.condition.checker.balls.balls import (
 )
 from asmc_pin.condition.checker.boxes import box_bounds, statements
 from asmc_pin.condition.checker.boxes.quadratic_form import form_of
-from asmc_pin.condition.checker.reading.certificate_schema import Contents, Load
+from asmc_pin.condition.checker.reading.certificate_schema import Contents
+from asmc_pin.condition.checker.reading.header_parts import Load
 from asmc_pin.condition.checker.reading.link_chain import Chain, chain_of
 from asmc_pin.condition.checker.reading.urdf_text import description
 

@@ -25,7 +25,7 @@ from flint import arb, arb_mat, ctx
 from asmc_pin._typing import Array
 from asmc_pin.condition.checker.boxes import box_bounds as bounds
 from asmc_pin.condition.checker.boxes.quadratic_form import Form, form_of
-from asmc_pin.condition.checker.reading.certificate_schema import Statement
+from asmc_pin.condition.checker.reading.header_parts import Statement
 from asmc_pin.condition.checker.reading.link_chain import Chain, cross
 from asmc_pin.rigid_body.mass_matrix import mass_matrices
 from asmc_pin.rigid_body.tree import Tree

@@ -12,7 +12,8 @@ from condition_cases import chain_urdf
 
 from asmc_pin.condition.checker.balls.witness import witness
 from asmc_pin.condition.checker.conclusions import Conclusion, Witness, conclude, disagreements
-from asmc_pin.condition.checker.reading.certificate_schema import Contents, Malformed
+from asmc_pin.condition.checker.reading.certificate_schema import Contents
+from asmc_pin.condition.checker.reading.header_parts import Malformed
 from asmc_pin.condition.checker.reading.subject import Subject, subject
 from asmc_pin.condition.checker.reading.urdf_text import description
 

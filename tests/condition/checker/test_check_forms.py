@@ -14,7 +14,7 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.checker.boxes.bisection import Broken, Cells, cells, leaves
 from asmc_pin.condition.checker.boxes.quadratic_form import Form, form_of, joint_space, least_eigenvalues, metrics
 from asmc_pin.condition.checker.boxes.statements import _halves
-from asmc_pin.condition.checker.reading.certificate_schema import Statement
+from asmc_pin.condition.checker.reading.header_parts import Statement
 
 # The four statements ------------------------------------------------------------------------------------------------
 

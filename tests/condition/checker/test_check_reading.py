@@ -24,7 +24,8 @@ from asmc_pin import load_arm
 from asmc_pin.arms import arm_names
 from asmc_pin.condition.certificate.container import FORMAT, digest, read
 from asmc_pin.condition.checker import check
-from asmc_pin.condition.checker.reading.certificate_schema import Malformed, contents
+from asmc_pin.condition.checker.reading.certificate_schema import contents
+from asmc_pin.condition.checker.reading.header_parts import Malformed
 from asmc_pin.condition.checker.reading.link_chain import chain_of
 from asmc_pin.condition.checker.reading.urdf_text import Unreadable, description
 from asmc_pin.errors import ResultError

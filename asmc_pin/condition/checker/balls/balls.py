@@ -26,7 +26,7 @@ from asmc_pin.condition.checker.balls.ball_geometry import (
     unit,
     zero,
 )
-from asmc_pin.condition.checker.reading.certificate_schema import Load, Statement
+from asmc_pin.condition.checker.reading.header_parts import Load, Statement
 from asmc_pin.condition.checker.reading.urdf_text import Description
 
 Verdict: TypeAlias = Literal["true", "false", "open"]
@@ -37,7 +37,7 @@ PRECISIONS = (128, 512)
 
 
 @dataclass(frozen=True, eq=False)
-class _Body:
+class Body:
     """All that moves with one joint, and how the joint hangs on the body before it; all constant.
 
     Attributes:
@@ -69,6 +69,9 @@ class BallArm:
         joints: Names of its moving joints, each after the one before it.
         locked: The angles of the others, rad (m where prismatic), exact.
         payload: What is fastened to a link of it.
+
+    Attributes:
+        bodies: What moves with each of its joints.
     """
 
     def __init__(
@@ -97,19 +100,19 @@ class BallArm:
                     angle = arb(locked[joint.name])
                     moved = (turned, at + turned * axis * angle) if slides else (turned * about(axis, angle), at)
                     waiting.append((joint.child, body, *moved))
-        self._bodies = [_Body(*heads[i], *loads[i]) for i in range(len(joints))]
+        self.bodies = [Body(*heads[i], *loads[i]) for i in range(len(joints))]
 
     def mass_matrix(self, q: Sequence[arb], armature: Sequence[arb]) -> arb_mat:
         """M(q) + diag(armature), an enclosure of it for every q and armature in the balls; (n, n).
 
         With a body's origin at velocity v and its turning ω, 2 T = m v·v + 2 v·(ω × m c) + ω·(I ω).
         """
-        n = len(self._bodies)
+        n = len(self.bodies)
         total = [[armature[i] if i == j else arb(0) for j in range(n)] for i in range(n)]
         turns: list[arb_mat] = []
         places: list[arb_mat] = []
         axes: list[arb_mat] = []
-        for i, body in enumerate(self._bodies):
+        for i, body in enumerate(self.bodies):
             turn, place = still() if body.parent < 0 else (turns[body.parent], places[body.parent])
             place, turn = place + turn * body.place, turn * body.turn
             axes.append(turn * body.axis)
@@ -122,16 +125,16 @@ class BallArm:
         self, total: list[list[arb]], i: int, turn: arb_mat, places: Sequence[arb_mat], axes: Sequence[arb_mat]
     ) -> None:
         """Add one body's share to the inertia matrix: of every two joints on the way to it."""
-        body = self._bodies[i]
+        body = self.bodies[i]
         moment, tensor = turn * body.moment, turn * body.tensor * turn.transpose()
         columns = []
         k = i
         while k >= 0:
-            slides = self._bodies[k].slides
+            slides = self.bodies[k].slides
             linear = axes[k] if slides else cross(axes[k], places[i] - places[k])
             angular = zero() if slides else axes[k]
             columns.append((k, linear, angular, cross(angular, moment), tensor * angular))
-            k = self._bodies[k].parent
+            k = self.bodies[k].parent
         for a, linear, angular, swing, _ in columns:
             for b, other, _, others_swing, others_turning in columns:
                 if b <= a:
@@ -251,3 +254,8 @@ def downward(number: arb) -> float:
         return -math.inf
     value = float(lower.mid())
     return value if lower >= value else math.nextafter(value, -math.inf)
+
+
+def upward(number: arb) -> float:
+    """A float that is not below any number of a ball."""
+    return -downward(-number)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asmc_pin._typing import Array, IntArray
-from asmc_pin.condition.checker.reading.certificate_schema import Statement
+from asmc_pin.condition.checker.reading.header_parts import Statement
 from asmc_pin.condition.checker.reading.link_chain import Chain
 
 SLACKER = 1e-15

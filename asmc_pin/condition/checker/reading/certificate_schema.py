@@ -1,4 +1,4 @@
-"""What a certificate may say, as a strict schema: finite numbers, closed enumerations, sizes that agree.
+"""What a certificate may say, of each thing that it may be about.
 
 Nothing here is believed. The figures and the verdict of the header are claims, which have to follow from what is
 replayed; names of the arm, labels and hashes in it are not even read.
@@ -6,35 +6,13 @@ replayed; names of the arm, labels and hashes in it are not even read.
 
 from __future__ import annotations
 
-import math
-import re
+from itertools import pairwise
 from typing import Annotated, Any, Literal
 
-import numpy as np
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    FailFast,
-    Field,
-    ValidationError,
-    model_validator,
-)
+from pydantic import Field, ValidationError, model_validator
 
+from asmc_pin.condition.checker.reading.header_parts import Figure, Header, Hex, Malformed, Part, Row, Seen
 from asmc_pin.words.text import printable
-
-_ROUNDED = 1e-9
-"""Of a payload's largest principal moment: digits that somebody may have rounded."""
-
-_LARGEST = 1e30
-"""Of what is given in hexadecimal, in SI units; what is larger measures nothing, and its square may be no float."""
-
-_HEX = re.compile(r"-?0x[01]\.?[0-9a-f]{0,13}p[+-][0-9]{1,4}")
-
-
-FARTHEST = 1e4
-"""Largest angle, rad, or slide, m: far from zero floats lie too far apart for what is done with angles."""
 
 _LONGEST = 10_000
 """Items of a list; also statements and cases."""
@@ -42,124 +20,10 @@ _LONGEST = 10_000
 _DEEPEST = 20
 
 
-class Malformed(ValueError):
-    """The header is not one of a certificate; the message says where and why."""
+class Contents(Header):
+    """A header about a condition on M̄."""
 
-
-def _from_hex(value: object) -> float:
-    if not isinstance(value, str) or not _HEX.fullmatch(value):
-        raise ValueError("a hexadecimal float expected")
-    try:
-        number = float.fromhex(value)
-    except OverflowError:
-        number = math.inf
-    if abs(number) > _LARGEST:
-        raise ValueError(f"a number of at most {_LARGEST:g} expected")
-    return number
-
-
-def _shown(name: str) -> str:
-    if name != printable(name):
-        raise ValueError("a name that can be shown as it is expected")
-    return name
-
-
-Hex = Annotated[float, BeforeValidator(_from_hex)]
-Row = Annotated[tuple[Hex, ...], Field(min_length=1, max_length=64)]
-Name = Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(_shown)]
-Angle = Annotated[Hex, Field(ge=-FARTHEST, le=FARTHEST)]
-Angles = Annotated[tuple[Angle, ...], Field(min_length=1, max_length=64)]
-Figure = Annotated[float, Field(allow_inf_nan=False)]
-Text = Annotated[str, Field(max_length=100_000)]
-Index = Annotated[int, Field(ge=0, lt=100_000)]
-
-
-class _Part(BaseModel):
-    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
-
-
-class Load(_Part):
-    """A payload: kg, m in the link's frame, kg·m² about the centre (ixx, ixy, ixz, iyy, iyz, izz)."""
-
-    mass: Annotated[Hex, Field(ge=0.0)]
-    com: tuple[Hex, Hex, Hex]
-    inertia: tuple[Hex, Hex, Hex, Hex, Hex, Hex]
-    link: Name
-
-    @model_validator(mode="after")
-    def _of_a_body(self) -> Load:
-        """No body has a principal moment that is negative or more than the sum of the other two."""
-        xx, xy, xz, yy, yz, zz = self.inertia
-        moments = np.linalg.eigvalsh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
-        allowed = _ROUNDED * float(np.abs(moments).max())
-        possible = moments[0] >= -allowed and moments[0] + moments[1] >= moments[2] - allowed
-        if not possible or (self.mass == 0.0 and any(self.inertia)):
-            raise ValueError("a payload has an inertia that no rigid body has")
-        return self
-
-
-class Case(_Part):
-    """One arm and joint box of those that the statements speak of."""
-
-    label: Text
-    locked: dict[Name, Angle]
-    payload: Load | None
-    lower: Angles
-    upper: Angles
-    armature_lower: Row
-    armature_upper: Row
-    sample_q: Annotated[tuple[Angles, ...], Field(min_length=1, max_length=64)]
-    sample_mass: Annotated[tuple[tuple[Row, ...], ...], Field(min_length=1, max_length=64)]
-
-    @property
-    def load(self) -> Load | None:
-        """What is carried; a payload without mass is none."""
-        return self.payload if self.payload is not None and self.payload.mass > 0.0 else None
-
-
-class Statement(_Part):
-    """One positivity statement; see docs/certificate.md."""
-
-    kind: Literal["weighted", "bounded", "lemma1", "level"]
-    scale: Annotated[Figure, Field(gt=0.0)]
-    level: Annotated[Figure, Field(gt=0.0, le=1.0)]
-    case: Index
-    armature: Row
-    slack: Row
-
-    @model_validator(mode="after")
-    def _of_its_kind(self) -> Statement:
-        """A level of one is the condition itself, which two of the kinds are and two are not."""
-        if self.kind == "lemma1" and self.level != 1.0:
-            raise ValueError("a statement 'lemma1' has the level 1")
-        if self.kind in ("bounded", "level") and self.level >= 1.0:
-            raise ValueError(f"a statement '{self.kind}' has a level below 1")
-        if self.kind not in ("bounded", "level") and any(self.slack):
-            raise ValueError(f"a statement '{self.kind}' needs no slack of the armature")
-        if min(self.armature) < 0.0 or min(self.slack) < 0.0:
-            raise ValueError("armature and its slack are 0 or more")
-        return self
-
-
-class Seen(_Part):
-    """A configuration with its case and armature."""
-
-    case: Index
-    q: Angles
-    armature: Row
-
-
-class Contents(_Part):
-    """The header. `arm`, `source`, `sha256` and the labels are its maker's words and are not used."""
-
-    format: Text
-    arm: Text
-    source: Text
-    sha256: Text
-    urdf_sha256: Text
-    joints: Annotated[tuple[Name, ...], Field(min_length=1, max_length=64)]
     condition: Literal["lemma1", "weighted"]
-    mbar: tuple[Annotated[Hex, Field(gt=0.0)], ...]
     verdict: Literal["holds", "violated", "undecided"]
     level: Annotated[Figure, Field(gt=0.0, le=1.0)]
     upper: Annotated[Figure, Field(gt=0.0, le=1.0)] | None
@@ -168,49 +32,90 @@ class Contents(_Part):
     lower: Annotated[Figure, Field(ge=0.0)]
     worst: Seen
     refuted: Seen
-    # The first bad one is enough: a message for each of many costs more than the file.
-    cases: Annotated[tuple[Case, ...], Field(min_length=1), FailFast()]
-    statements: Annotated[tuple[Statement, ...], FailFast()]
-    digest: Text
+
+    @property
+    def seen(self) -> tuple[Seen, Seen]:
+        """The worst configuration, and the counter-example."""
+        return self.worst, self.refuted
+
+    @property
+    def kinds(self) -> set[str]:
+        """The statements that say something about the condition."""
+        return {"weighted", "bounded"} if self.condition == "weighted" else {"lemma1", "level"}
+
+
+class _SpectrumContents(Header):
+    """A header about the eigenvalues of M against those of diag(mbar), with the configurations of both ends."""
+
+    least: Seen
+    largest: Seen
+
+    @property
+    def seen(self) -> tuple[Seen, Seen]:
+        """Where the least and where the largest eigenvalue was seen."""
+        return self.least, self.largest
+
+
+class BoundsContents(_SpectrumContents):
+    """A header about bounds of S M S, and of its velocity forces: each [proven, found]."""
+
+    about: Literal["bounds"]
+    scaling: Row
+    lower: tuple[Annotated[Figure, Field(gt=0.0)] | None, Annotated[Figure, Field(gt=0.0)]]
+    upper: tuple[Annotated[Figure, Field(gt=0.0)] | None, Annotated[Figure, Field(gt=0.0)]]
+    coriolis: Annotated[Figure, Field(ge=0.0)]
 
     @model_validator(mode="after")
-    def _sizes_agree(self) -> Contents:
-        """A number per joint everywhere, indices of cases that are there, ranges that are not empty."""
-        n = len(self.joints)
-        if len(set(self.joints)) != n:
-            raise ValueError("two of the joints have one name")
-        rows = [self.mbar, self.worst.q, self.worst.armature, self.refuted.q, self.refuted.armature]
-        for case in self.cases:
-            rows += [case.lower, case.upper, case.armature_lower, case.armature_upper, *case.sample_q]
-            rows += [row for mass in case.sample_mass for row in mass]
-            if len(case.sample_q) != len(case.sample_mass) or any(len(mass) != n for mass in case.sample_mass):
-                raise ValueError("a sample of the inertia matrix has another size than the arm")
-            if any(a > b for a, b in zip(case.lower, case.upper, strict=False)):
-                raise ValueError("a joint box is empty")
-            if any(not 0.0 <= a <= b for a, b in zip(case.armature_lower, case.armature_upper, strict=False)):
-                raise ValueError("a range of the armature is empty or negative")
-        for statement in self.statements:
-            rows += [statement.armature, statement.slack]
-        if any(len(row) != n for row in rows):
-            raise ValueError(f"a row has not one number for each of the {n} joints")
-        named = [self.worst.case, self.refuted.case, *(statement.case for statement in self.statements)]
-        if max(named) >= len(self.cases):
-            raise ValueError("a case is named that is not there")
-        kinds = {"weighted", "bounded"} if self.condition == "weighted" else {"lemma1", "level"}
-        if not {statement.kind for statement in self.statements} <= kinds:
-            raise ValueError(f"a statement is of a kind that says nothing about the condition '{self.condition}'")
+    def _scaled(self) -> BoundsContents:
+        """One positive number a joint."""
+        if len(self.scaling) != len(self.joints) or min(self.scaling) <= 0.0:
+            raise ValueError("the scaling has not one positive number for each joint")
         return self
 
 
-def contents(header: dict[str, Any]) -> Contents:
+class Pieces(Part):
+    """Forms of a mode, piece by piece of the eigenvalues of M⁻¹M̄: xx, xy, xz, yy, yz, zz of each."""
+
+    ends: Annotated[tuple[Annotated[Hex, Field(gt=0.0)], ...], Field(min_length=2, max_length=1001)]
+    forms: Annotated[tuple[tuple[Hex, Hex, Hex, Hex, Hex, Hex], ...], Field(min_length=1, max_length=1000)]
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Pieces:
+        """A form for each piece, and pieces that follow each other."""
+        if len(self.ends) != len(self.forms) + 1 or any(a >= b for a, b in pairwise(self.ends)):
+            raise ValueError("the pieces of its eigenvalues are not one after the other, with a form for each")
+        return self
+
+
+class GravityClaim(Part):
+    """That it holds at rest under gravity of this magnitude, in m/s², too."""
+
+    magnitude: Annotated[Hex, Field(gt=0.0)]
+    pieces: Pieces
+
+
+class LoopContents(_SpectrumContents):
+    """A header about the plain sampled loop with K_s = k_s I, frozen at every configuration, without gravity."""
+
+    about: Literal["sampled loop"]
+    ks: Annotated[Hex, Field(gt=0.0)]
+    beta: Annotated[Hex, Field(gt=0.0)]
+    period: Annotated[Hex, Field(gt=0.0)]
+    verdict: Literal["stable", "unstable", "undecided"]
+    gravity: GravityClaim | None
+
+
+def contents(header: dict[str, Any]) -> Header:
     """The header, checked.
 
     Raises:
         Malformed: It says something that no certificate says.
     """
+    kinds: dict[str, type[Header]] = {"bounds": BoundsContents, "sampled loop": LoopContents}
+    kind = kinds.get(str(header.get("about")), Contents)
     try:
         # Lists become tuples on the way, which strict types would not take from Python objects.
-        return Contents.model_validate(_frozen(header))
+        return kind.model_validate(_frozen(header))
     except ValidationError as error:
         first = error.errors(include_url=False, include_context=False, include_input=False)[0]
         where = ".".join(str(part) for part in first["loc"])

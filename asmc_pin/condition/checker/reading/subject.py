@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
+from typing import Any
 
-from asmc_pin.condition.checker.reading.certificate_schema import Case, Contents, Load, Malformed
+from asmc_pin.condition.checker.reading.certificate_schema import Contents
+from asmc_pin.condition.checker.reading.header_parts import Case, Header, Load, Malformed
 from asmc_pin.condition.checker.reading.link_chain import Chain
 from asmc_pin.condition.checker.reading.urdf_text import Description
-from asmc_pin.condition.hypotheses import Carried, Hypotheses, fold_locks
+from asmc_pin.condition.hypotheses import Carried, Hypotheses, Premises, fold_locks
 from asmc_pin.words.text import printable
 
 
@@ -21,11 +23,11 @@ class Subject:
         labels: One per case; empty where nothing is particular about it.
     """
 
-    hypotheses: Hypotheses
+    hypotheses: Premises
     labels: tuple[str, ...]
 
 
-def subject(told: Contents, urdf: str, robot: Description, chain: Chain) -> Subject:
+def subject(told: Header, urdf: str, robot: Description, chain: Chain) -> Subject:
     """Derive what the statements, all together, are about.
 
     Args:
@@ -58,14 +60,11 @@ def subject(told: Contents, urdf: str, robot: Description, chain: Chain) -> Subj
         (max(ends) for ends in zip(*(box[1] for box in boxes), strict=True)),
         strict=True,
     )
-    hypotheses = Hypotheses(
+    premises: dict[str, Any] = dict(
         arm=robot.name,
         sha256=hashlib.sha256(urdf.encode()).hexdigest(),
         joints=told.joints,
         slides=tuple(bool(slides) for slides in chain.slides),
-        condition=told.condition,
-        level=told.level,
-        mbar=told.mbar,
         armature=tuple(a if a == b else (a, b) for a, b in zip(low, high, strict=True)),
         payload=_carried(loads),
         locked=locked,
@@ -75,6 +74,9 @@ def subject(told: Contents, urdf: str, robot: Description, chain: Chain) -> Subj
         parts=len(boxes),
         boxes=tuple(boxes) if len(boxes) > 1 else (),
     )
+    hypotheses = Premises(**premises)
+    if isinstance(told, Contents):
+        hypotheses = Hypotheses(**premises, condition=told.condition, level=told.level, mbar=told.mbar)
     return Subject(hypotheses, tuple(_label(case, locked, loads, boxes) for case in cases))
 
 
