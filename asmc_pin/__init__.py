@@ -112,10 +112,10 @@ if TYPE_CHECKING:
     from asmc_pin.sampled import certify_loop as certify_loop
     from asmc_pin.sampled import loop_sensor as loop_sensor
     from asmc_pin.sampled import stability as stability
-    from asmc_pin.sampled.gain_design import ExpectedErrors as ExpectedErrors
-    from asmc_pin.sampled.gain_design import GainDesign as GainDesign
-    from asmc_pin.sampled.gain_search import Margins as Margins
-    from asmc_pin.sampled.gains import suggest_gains as suggest_gains
+    from asmc_pin.sampled.gain_choice.gain_design import ExpectedErrors as ExpectedErrors
+    from asmc_pin.sampled.gain_choice.gain_design import GainDesign as GainDesign
+    from asmc_pin.sampled.gain_choice.gain_search import Margins as Margins
+    from asmc_pin.sampled.gain_choice.gains import suggest_gains as suggest_gains
     from asmc_pin.sampled.stability_report import WorstFound as WorstFound
     from asmc_pin.study import Comparison as Comparison
     from asmc_pin.study import compare as compare

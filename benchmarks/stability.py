@@ -23,8 +23,8 @@ from asmc_pin.plant import Friction
 from asmc_pin.references import Multisine
 from asmc_pin.sampled import SampledLoop, closed_loop, predict_tracking, stability
 from asmc_pin.sampled.frozen_arms import gravity_stiffness
+from asmc_pin.sampled.gain_choice.gains import suggest_gains
 from asmc_pin.sampled.gain_warnings import gain_warnings
-from asmc_pin.sampled.gains import suggest_gains
 
 PERIOD = 1e-3  # s
 UR5 = load_arm("ur5", payload=2.0, armature=[0.5, 0.5, 0.3, 0.05, 0.05, 0.05])

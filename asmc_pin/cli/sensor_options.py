@@ -11,7 +11,7 @@ from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Pairing, Velocity
 
 if TYPE_CHECKING:
-    from asmc_pin.sampled.sensor_model import LoopSensor
+    from asmc_pin.sampled.noise.sensor_model import LoopSensor
 
 Side: TypeAlias = Literal["joint", "motor"]
 
@@ -73,7 +73,7 @@ def sensor_of(
         )
     if encoder_bits is None and (encoder_side == "motor" or gear is not None):
         raise ParameterError("--encoder-bits", "is needed for a gear to count: without an encoder nothing is rounded")
-    from asmc_pin.sampled.sensor_model import loop_sensor
+    from asmc_pin.sampled.noise.sensor_model import loop_sensor
 
     return loop_sensor(
         nv,

@@ -17,7 +17,7 @@ from asmc_pin.pages.plates import Plate, framed, is_html, write_beside
 from asmc_pin.pages.summary_tables import Table, markdown_table
 from asmc_pin.sampled.frozen_arms import FrozenArms
 from asmc_pin.sampled.loop_curves import LoopCurve, LoopCurves, loop_curves
-from asmc_pin.sampled.sensor_model import LoopSensor
+from asmc_pin.sampled.noise.sensor_model import LoopSensor
 from asmc_pin.sampled.stability_report import StabilityReport
 from asmc_pin.sampled.workspace_worst import workspace_of
 from asmc_pin.words.media import for_figure, for_html, for_markdown

@@ -21,11 +21,11 @@ from asmc_pin.sampled.linear_map import (
 )
 from asmc_pin.sampled.loop_analysis import stability
 from asmc_pin.sampled.loop_limits import LoopLimits
+from asmc_pin.sampled.noise.sensor_model import LoopSensor, loop_sensor
+from asmc_pin.sampled.noise.sensor_noise import LoopNoise
 from asmc_pin.sampled.proof.loop_certificate import certify_loop
 from asmc_pin.sampled.proof.loop_proof import LoopProof
 from asmc_pin.sampled.sampled_loop import SampledLoop
-from asmc_pin.sampled.sensor_model import LoopSensor, loop_sensor
-from asmc_pin.sampled.sensor_noise import LoopNoise
 from asmc_pin.sampled.stability_report import StabilityReport
 
 __all__ = [

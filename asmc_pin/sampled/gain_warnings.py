@@ -14,8 +14,8 @@ from asmc_pin.condition.domain.joint_box import BoxLike
 from asmc_pin.sampled.frozen_arms import FrozenArms, frozen_arms
 from asmc_pin.sampled.law_loops import law_loops
 from asmc_pin.sampled.loop_analysis import remedy_of, spaces_of
+from asmc_pin.sampled.noise.sensor_model import LoopSensor
 from asmc_pin.sampled.sampled_loop import SampledLoop
-from asmc_pin.sampled.sensor_model import LoopSensor
 from asmc_pin.sampled.workspace_worst import Workspace
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from asmc_pin._typing import Array
 from asmc_pin.sampled.loop_analysis import loop_for
+from asmc_pin.sampled.noise.sensor_model import LoopSensor
 from asmc_pin.sampled.sampled_loop import SampledLoop
-from asmc_pin.sampled.sensor_model import LoopSensor
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm

@@ -17,10 +17,10 @@ from asmc_pin.errors import ParameterError
 from asmc_pin.sampled.critical_points import critical_set
 from asmc_pin.sampled.frozen_arms import FrozenArms, frozen_arms
 from asmc_pin.sampled.loop_limits import limits_of
+from asmc_pin.sampled.noise.sensor_model import LoopSensor
+from asmc_pin.sampled.noise.sensor_noise import LoopNoise, loop_noise
 from asmc_pin.sampled.remedies import remedy
 from asmc_pin.sampled.sampled_loop import Acceleration, Pairing, SampledLoop, positive_per_joint
-from asmc_pin.sampled.sensor_model import LoopSensor
-from asmc_pin.sampled.sensor_noise import LoopNoise, loop_noise
 from asmc_pin.sampled.stability_report import StabilityReport, WorstFound, angles
 from asmc_pin.sampled.workspace_worst import Workspace, workspace_of
 from asmc_pin.words.text import printable

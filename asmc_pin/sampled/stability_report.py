@@ -11,8 +11,8 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.sampled.loop_limits import DELAY_SPAN, LoopLimits
+from asmc_pin.sampled.noise.sensor_noise import NOISE_KEYS, LoopNoise
 from asmc_pin.sampled.sampled_loop import SampledLoop
-from asmc_pin.sampled.sensor_noise import NOISE_KEYS, LoopNoise
 from asmc_pin.words.shown import Cells, Shown
 from asmc_pin.words.text import printable, rounded_down, rounded_up
 

@@ -18,7 +18,7 @@ from asmc_pin.experiment import Experiment
 from asmc_pin.plant import MovingArm, Plant
 from asmc_pin.references import check_reference
 from asmc_pin.sampled.gain_warnings import gain_warnings
-from asmc_pin.sampled.noise_warnings import noise_warnings
+from asmc_pin.sampled.noise.noise_warnings import noise_warnings
 from asmc_pin.study.plant_sensor import sensor_of_plant
 from asmc_pin.words.remedy_texts import MBAR_REMEDY
 

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.plant import Plant
-from asmc_pin.sampled.sensor_model import LoopSensor, loop_sensor
+from asmc_pin.sampled.noise.sensor_model import LoopSensor, loop_sensor
 
 
 def sensor_of_plant(plant: Plant) -> LoopSensor:

@@ -15,8 +15,8 @@ from asmc_pin.condition.norm.two_conditions import lemma1_norm
 from asmc_pin.errors import ParameterError
 from asmc_pin.sampled import SampledLoop, closed_loop, stability
 from asmc_pin.sampled.frozen_arms import gravity_stiffness
-from asmc_pin.sampled.gain_design import GainDesign
-from asmc_pin.sampled.gains import suggest_gains
+from asmc_pin.sampled.gain_choice.gain_design import GainDesign
+from asmc_pin.sampled.gain_choice.gains import suggest_gains
 from asmc_pin.sampled.workspace_worst import workspace_of
 
 TWO_LINK_MBAR = 0.0444444

@@ -13,8 +13,8 @@ from asmc_pin.condition import design
 from asmc_pin.sampled import SampledLoop
 from asmc_pin.sampled.critical_points import Critical, critical_set
 from asmc_pin.sampled.frozen_arms import frozen_arms
-from asmc_pin.sampled.gain_design import GainDesign
-from asmc_pin.sampled.gains import suggest_gains
+from asmc_pin.sampled.gain_choice.gain_design import GainDesign
+from asmc_pin.sampled.gain_choice.gains import suggest_gains
 from asmc_pin.sampled.loop_analysis import spaces_of
 from asmc_pin.sampled.loop_limits import margins_of
 

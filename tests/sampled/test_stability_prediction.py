@@ -24,8 +24,8 @@ from asmc_pin.sampled import (
     stability,
     step_response,
 )
+from asmc_pin.sampled.gain_choice.gains import suggest_gains
 from asmc_pin.sampled.gain_warnings import gain_warnings
-from asmc_pin.sampled.gains import suggest_gains
 
 MASS = np.array([[0.7, 0.2, 0.05], [0.2, 0.3, 0.04], [0.05, 0.04, 0.09]])
 MBAR = np.array([0.15, 0.1, 0.04])

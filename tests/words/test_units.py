@@ -22,7 +22,7 @@ from asmc_pin.experiment import Experiment
 from asmc_pin.plant import Drive, Plant, Sensor
 from asmc_pin.references import Quintic
 from asmc_pin.sampled import stability
-from asmc_pin.sampled.gains import suggest_gains
+from asmc_pin.sampled.gain_choice.gains import suggest_gains
 
 Run = Callable[..., tuple[int, str, str]]
 LOOP = ["stability", "ur5", "--mbar", "0.01", "--ks", "10", "--beta", "10"]

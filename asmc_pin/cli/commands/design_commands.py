@@ -133,7 +133,7 @@ def design(
     write_page(found, loaded, page)
     content, lines = found.to_json_dict(), found.lines()
     if length is not None and gains and found.mbar is not None:
-        from asmc_pin.sampled.gains import suggest_gains
+        from asmc_pin.sampled.gain_choice.gains import suggest_gains
 
         suggested = suggest_gains(
             loaded,

@@ -16,8 +16,8 @@ from asmc_pin.errors import ParameterError
 from asmc_pin.sampled.critical_points import Critical, critical_set
 from asmc_pin.sampled.error_prediction import drift_error, step_response
 from asmc_pin.sampled.frozen_arms import frozen_arms
-from asmc_pin.sampled.gain_design import ExpectedErrors, GainDesign
-from asmc_pin.sampled.gain_search import USEFUL, GainSearch, Margins
+from asmc_pin.sampled.gain_choice.gain_design import ExpectedErrors, GainDesign
+from asmc_pin.sampled.gain_choice.gain_search import USEFUL, GainSearch, Margins
 from asmc_pin.sampled.loop_analysis import examine, loop_for, spaces_of
 from asmc_pin.sampled.sampled_loop import Acceleration, SampledLoop
 from asmc_pin.sampled.stability_report import angles

@@ -9,7 +9,7 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.hypotheses import Premises
-from asmc_pin.sampled.gain_search import USEFUL, Margins
+from asmc_pin.sampled.gain_choice.gain_search import USEFUL, Margins
 from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.sampled.stability_report import StabilityReport, margin_words
 from asmc_pin.words.shown import Shown

@@ -15,8 +15,8 @@ import numpy as np
 
 from asmc_pin._typing import Array, BoolArray
 from asmc_pin.sampled.linear_map import ClosedLoop, closed_loop
+from asmc_pin.sampled.noise.sensor_model import LoopSensor
 from asmc_pin.sampled.sampled_loop import SampledLoop
-from asmc_pin.sampled.sensor_model import LoopSensor
 from asmc_pin.sampled.workspace_worst import Workspace
 
 _SAMPLES = 128
