@@ -18,7 +18,7 @@ from asmc_pin.cli.commands.listing_commands import arm_rows, controller_rows, me
 from asmc_pin.controllers import CONTROLLERS, TdeLaw
 from asmc_pin.experiment.constructors import Signature
 from asmc_pin.experiment.plant_parts import LISTS, TABLES
-from asmc_pin.experiment.toml_keys import ArmTable, ExperimentTables, MetricsTable, PlantTable, Table
+from asmc_pin.experiment.toml_keys import ArmTable, ExperimentTables, MetricsTable, PlantTable, TomlTable
 from asmc_pin.metrics import METRICS
 from asmc_pin.monitors import STATEMENTS
 from asmc_pin.pages.comparison_figures import FIGURES
@@ -202,12 +202,12 @@ part("claims")(
 # docs/experiments.md --------------------------------------------------------------------------------------------------
 
 
-def fields(model: type[Table], path: str = "", skip: Iterable[str] = ()) -> str:
+def fields(model: type[TomlTable], path: str = "", skip: Iterable[str] = ()) -> str:
     """The keys of a table of the file: path, meaning, default."""
     return table(["key", "value", "default"], _field_rows(model, path, skip))
 
 
-def _field_rows(model: type[Table], path: str, skip: Iterable[str] = ()) -> list[list[str]]:
+def _field_rows(model: type[TomlTable], path: str, skip: Iterable[str] = ()) -> list[list[str]]:
     rows = []
     for name, field in model.model_fields.items():
         if name in skip:

@@ -12,7 +12,7 @@ import numpy as np
 
 from asmc_pin.arms import ARMS, Arm, arm_names, load_arm
 from asmc_pin.disk.files import write_whole
-from asmc_pin.viewer import Motion, describe, draw, replay_element, replay_page
+from asmc_pin.viewer import PlayedMotion, describe, draw, replay_element, replay_page
 
 # Where an arm is good to look at; the middle of the joint box for the others.
 POSES = {
@@ -43,7 +43,7 @@ def make(folder: Path) -> dict[str, Path]:
     for name in arm_names():
         arm = load_arm(name)
         drawn = draw(arm)
-        description = describe(drawn, arm.joint_names, time, [Motion(name, "#0072B2", wave(arm, time))], None)
+        description = describe(drawn, arm.joint_names, time, [PlayedMotion(name, "#0072B2", wave(arm, time))], None)
         pages[name] = folder / f"arm_{name}.html"
         write_whole(pages[name], replay_page(name, ARMS[name].description, replay_element(description, drawn.notes)))
     return pages

@@ -13,14 +13,14 @@ from every_arm import wave
 
 from asmc_pin.arms import load_arm
 from asmc_pin.disk.files import write_whole
-from asmc_pin.viewer import Motion, describe, draw, replay_element, replay_page
+from asmc_pin.viewer import PlayedMotion, describe, draw, replay_element, replay_page
 
 
 def make(folder: Path) -> dict[str, Path]:
     """Writes the page; its title and file."""
     arm = load_arm("ur5", gravity=[0.0, 0.0, 9.81])
     time = np.linspace(0.0, 8.0, 481)
-    motion = Motion("under a ceiling", "#D55E00", wave(arm, time))
+    motion = PlayedMotion("under a ceiling", "#D55E00", wave(arm, time))
     drawn = draw(arm)
     element = replay_element(describe(drawn, arm.joint_names, time, [motion], None), drawn.notes)
     page = folder / "under_a_ceiling.html"

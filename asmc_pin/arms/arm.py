@@ -23,7 +23,7 @@ from asmc_pin.words.shown import Cells, Shown
 from asmc_pin.words.text import printable, quoted
 
 
-class Recipe(Protocol):
+class MadeOf(Protocol):
     """What an arm is made of, and how it is made again."""
 
     @property
@@ -100,7 +100,7 @@ class Arm(Shown):
     package_dirs: tuple[Path, ...]
     model: pin.Model
     tree: Tree
-    made_of: Recipe
+    made_of: MadeOf
     _local: threading.local = field(default_factory=threading.local)
 
     def __repr__(self) -> str:

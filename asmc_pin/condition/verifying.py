@@ -11,7 +11,14 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
 from asmc_pin.condition.condition_report import ConditionReport
-from asmc_pin.condition.domain.along_motion import Motion, check_units, motion_of, norms_along, tube, worst_in_tube
+from asmc_pin.condition.domain.along_motion import (
+    FollowedMotion,
+    check_units,
+    motion_of,
+    norms_along,
+    tube,
+    worst_in_tube,
+)
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases
 from asmc_pin.condition.domain.joint_box import BoxLike
 from asmc_pin.condition.domain.recorded_motion import Recording, read_recording, tde_error
@@ -168,7 +175,7 @@ def _over_box(
     )
 
 
-def _along_motion(all_cases: Sequence[Case], mbar: Array, condition: Condition, motion: Motion) -> _Outcome:
+def _along_motion(all_cases: Sequence[Case], mbar: Array, condition: Condition, motion: FollowedMotion) -> _Outcome:
     seen, tracks = [], []
     for case in all_cases:
         domain = case.domain
@@ -195,7 +202,7 @@ def _in_tube(
     all_cases: Sequence[Case],
     mbar: Array,
     condition: Condition,
-    motion: Motion,
+    motion: FollowedMotion,
     reach: tuple[float | Sequence[float] | Array, int],
     samples: int,
     starts: int,

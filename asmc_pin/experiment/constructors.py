@@ -28,7 +28,7 @@ _NESTED = {"type": "array", "items": _LIST, "minItems": 1}
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
+class Mistake:
     """One thing that is wrong with an experiment.
 
     Attributes:
@@ -105,7 +105,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f"known are {', '.join(names)}" if names else "none is known here"
 
 
-def construct(cls: type, values: Mapping[str, Any], path: str) -> tuple[Any, list[Problem]]:
+def construct(cls: type, values: Mapping[str, Any], path: str) -> tuple[Any, list[Mistake]]:
     """Call a constructor with the values of a table.
 
     Args:
@@ -118,11 +118,11 @@ def construct(cls: type, values: Mapping[str, Any], path: str) -> tuple[Any, lis
     """
     missing = [name for name in Signature(cls).required if name not in values]
     if missing:
-        return None, [Problem(f"{path}.{name}", "is missing") for name in missing]
+        return None, [Mistake(f"{path}.{name}", "is missing") for name in missing]
     try:
         return cls(**values), []
     except ParameterError as error:
         key = f"{path}.{error.parameter}"
-        return None, [Problem(key, str(error).removeprefix(f"{error.parameter}: "))]
+        return None, [Mistake(key, str(error).removeprefix(f"{error.parameter}: "))]
     except (Exception, SystemExit) as error:  # a law of the user's own may raise anything
-        return None, [Problem(path, f"{cls.__name__} refuses these parameters: {type(error).__name__}: {error}")]
+        return None, [Mistake(path, f"{cls.__name__} refuses these parameters: {type(error).__name__}: {error}")]

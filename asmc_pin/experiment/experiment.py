@@ -16,7 +16,7 @@ from asmc_pin.baselines import knows_model
 from asmc_pin.controllers import Controller, Sample, Setpoint
 from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment import experiment_checks
-from asmc_pin.experiment.constructors import Problem
+from asmc_pin.experiment.constructors import Mistake
 from asmc_pin.experiment.law_lookup import is_own
 from asmc_pin.experiment.plant_parts import LISTS, TABLES, plant_parts
 from asmc_pin.experiment.toml_keys import ExperimentTables
@@ -67,7 +67,7 @@ class Experiment(Shown, ExperimentTables):
         """
         content = copy.deepcopy(dict(data))
         folder = folder or Path.cwd()
-        problems: list[Problem] = []
+        problems: list[Mistake] = []
         tables = None
         try:
             tables = cls.model_validate(content)
@@ -148,7 +148,7 @@ class Experiment(Shown, ExperimentTables):
                 self._arm = load_arm(source, **options)
             except ParameterError as error:
                 text = str(error).removeprefix(f"{error.parameter}: ")
-                experiment_checks.fail([Problem(f"arm.{error.parameter}", text)], self._origin)
+                experiment_checks.fail([Mistake(f"arm.{error.parameter}", text)], self._origin)
         assert self._arm is not None
         return self._arm
 
@@ -163,7 +163,7 @@ class Experiment(Shown, ExperimentTables):
             return self._reference
         reference, problems = experiment_checks.reference_problems(self.reference, self._folder)
         if not problems and reference.nv != arm.nv:
-            problems = [Problem("reference", f"moves {reference.nv} joints, but {experiment_checks.joints_of(arm)}")]
+            problems = [Mistake("reference", f"moves {reference.nv} joints, but {experiment_checks.joints_of(arm)}")]
         experiment_checks.fail(problems, self._origin)
         if isinstance(reference, OnAnArm):
             experiment_checks.fail(
@@ -173,7 +173,7 @@ class Experiment(Shown, ExperimentTables):
                 reference = reference.on(arm)
             except ParameterError as error:
                 text = str(error).removeprefix(f"{error.parameter}: ")
-                problems = [Problem(f"reference.{error.parameter}", text)]
+                problems = [Mistake(f"reference.{error.parameter}", text)]
         experiment_checks.fail(
             problems or experiment_checks.motion_problems(reference, arm, self.duration), self._origin
         )
@@ -195,7 +195,7 @@ class Experiment(Shown, ExperimentTables):
         own = [] if self._import_laws else [key for key, table in self.controllers.items() if is_own(table["law"])]
         if own:
             told = "its law is code of somebody's own, and this experiment was read without importing any"
-            experiment_checks.fail([Problem(f"controllers.{label}.law", told) for label in own], self._origin)
+            experiment_checks.fail([Mistake(f"controllers.{label}.law", told) for label in own], self._origin)
         arm = self.build_arm()
         experiment_checks.fail(experiment_checks.controller_size_problems(self, self._folder, arm), self._origin)
         made, problems = experiment_checks.controller_problems(self._data, self._folder)
@@ -207,11 +207,11 @@ class Experiment(Shown, ExperimentTables):
                 law.init(Sample(at_rest, at_rest.copy(), at_rest.copy()))
             except ParameterError as error:
                 text = str(error).removeprefix(f"{error.parameter}: ")
-                problems.append(Problem(f"controllers.{label}.{error.parameter}", text))
+                problems.append(Mistake(f"controllers.{label}.{error.parameter}", text))
             except Exception as error:
                 if not is_own(self.controllers[label]["law"]):
                     raise
-                problems.append(Problem(f"controllers.{label}", f"init raised {type(error).__name__}: {error}"))
+                problems.append(Mistake(f"controllers.{label}", f"init raised {type(error).__name__}: {error}"))
         experiment_checks.fail(problems, self._origin)
         return made
 

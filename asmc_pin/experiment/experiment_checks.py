@@ -13,7 +13,7 @@ from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
 from asmc_pin.controllers import TdeLaw
 from asmc_pin.errors import ExperimentError, ParameterError
-from asmc_pin.experiment.constructors import Problem, Signature, construct, nearest
+from asmc_pin.experiment.constructors import Mistake, Signature, construct, nearest
 from asmc_pin.experiment.law_lookup import LAWS, is_own, load_law
 from asmc_pin.experiment.plant_parts import TABLES
 from asmc_pin.experiment.toml_keys import ExperimentTables
@@ -31,7 +31,7 @@ _RESERVED = {
 }
 
 
-def table_problems(error: ValidationError) -> list[Problem]:
+def table_problems(error: ValidationError) -> list[Mistake]:
     """Pydantic's findings in our words: the key's path, what was given, the nearest known key."""
     problems = []
     for item in error.errors(include_url=False):
@@ -53,7 +53,7 @@ def table_problems(error: ValidationError) -> list[Problem]:
         else:
             text = item["msg"].removeprefix("Input ")
             message = f"{text[:1].lower()}{text[1:]}, got {given}"
-        problems.append(Problem(path, message))
+        problems.append(Mistake(path, message))
     return problems
 
 
@@ -80,20 +80,20 @@ def _model_of(annotation: Any) -> type[BaseModel] | None:
     return None
 
 
-def reference_problems(table: Any, folder: Path) -> tuple[Any, list[Problem]]:
+def reference_problems(table: Any, folder: Path) -> tuple[Any, list[Mistake]]:
     """The reference that a ``[reference]`` table describes, and what is wrong with the table."""
     if not isinstance(table, Mapping):
         return None, []  # the schema has said so
     if "kind" not in table:
-        return None, [Problem("reference.kind", f"is missing; one of {', '.join(REFERENCES)}")]
+        return None, [Mistake("reference.kind", f"is missing; one of {', '.join(REFERENCES)}")]
     kind = table["kind"]
     if not isinstance(kind, str) or kind not in REFERENCES:
-        return None, [Problem("reference.kind", f"there is no kind {kind!r}: {nearest(str(kind), REFERENCES)}")]
+        return None, [Mistake("reference.kind", f"there is no kind {kind!r}: {nearest(str(kind), REFERENCES)}")]
     cls = REFERENCES[kind]
     signature = Signature(cls)
     values = {key: value for key, value in table.items() if key != "kind"}
     problems = [
-        Problem(f"reference.{key}", f"unknown key of kind '{kind}': {nearest(key, signature.names)}")
+        Mistake(f"reference.{key}", f"unknown key of kind '{kind}': {nearest(key, signature.names)}")
         for key in values
         if not signature.takes(key)
     ]
@@ -104,7 +104,7 @@ def reference_problems(table: Any, folder: Path) -> tuple[Any, list[Problem]]:
     return construct(cls, values, "reference")
 
 
-def delay_problems(data: Mapping[str, Any]) -> list[Problem]:
+def delay_problems(data: Mapping[str, Any]) -> list[Mistake]:
     """Delays of the drive and the sensor, in periods, that look like seconds."""
     period, plant = data.get("period"), data.get("plant")
     problems = []
@@ -116,29 +116,29 @@ def delay_problems(data: Mapping[str, Any]) -> list[Problem]:
     return problems
 
 
-def angle_problems(key: str, arm: Arm, q: Array) -> list[Problem]:
+def angle_problems(key: str, arm: Arm, q: Array) -> list[Mistake]:
     """Angles at which the arm is to stand, shape (nv,), that look like degrees."""
     return _asked(key, check_motion, key, arm, "it", np.zeros(1), q[None, :])
 
 
-def motion_problems(reference: Reference, arm: Arm, duration: float) -> list[Problem]:
+def motion_problems(reference: Reference, arm: Arm, duration: float) -> list[Mistake]:
     """A reference whose angles look like degrees."""
     time = np.linspace(0.0, duration, _LOOKS)
     motion = reference.evaluate(time)
     return _asked("reference", check_motion, "reference", arm, "it", time, motion.q, motion.v)
 
 
-def _asked(key: str, check: Callable[..., None], *values: Any) -> list[Problem]:
+def _asked(key: str, check: Callable[..., None], *values: Any) -> list[Mistake]:
     try:
         check(*values)
     except ParameterError as error:
-        return [Problem(key, str(error).removeprefix(f"{error.parameter}: "))]
+        return [Mistake(key, str(error).removeprefix(f"{error.parameter}: "))]
     return []
 
 
 def controller_problems(
     data: Mapping[str, Any], folder: Path, import_laws: bool = True
-) -> tuple[dict[str, Any], list[Problem]]:
+) -> tuple[dict[str, Any], list[Mistake]]:
     """The controllers of a file by label, and what is wrong with their tables and with ``[defaults]``.
 
     Args:
@@ -151,14 +151,14 @@ def controller_problems(
     if not isinstance(tables, Mapping) or not isinstance(defaults, Mapping):
         return {}, []
     made: dict[str, Any] = {}
-    problems: list[Problem] = []
+    problems: list[Mistake] = []
     signatures = [Signature(law) for law in LAWS.values()]
     all_known = True
     for label, table in tables.items():
         path = f"controllers.{label}"
         if not isinstance(table, Mapping):
             if label == "law":
-                problems.append(Problem(path, "a law stands in a table of its own, [controllers.LABEL]"))
+                problems.append(Mistake(path, "a law stands in a table of its own, [controllers.LABEL]"))
             continue
         if not import_laws and is_own(table.get("law")):
             all_known = False
@@ -195,54 +195,54 @@ def _differences(data: Mapping[str, Any]) -> bool:
     return isinstance(sensor, Mapping) and sensor.get("velocity", Sensor.velocity) != "exact"
 
 
-def _law(table: Mapping[str, Any], folder: Path, path: str) -> tuple[type | None, list[Problem]]:
+def _law(table: Mapping[str, Any], folder: Path, path: str) -> tuple[type | None, list[Mistake]]:
     name = table.get("law")
     if not isinstance(name, str):
         state = "is missing" if name is None else f"must be text, got {name!r}"
-        return None, [Problem(f"{path}.law", f"{state}; one of {', '.join(LAWS)}, or 'my_module:MyLaw'")]
+        return None, [Mistake(f"{path}.law", f"{state}; one of {', '.join(LAWS)}, or 'my_module:MyLaw'")]
     try:
         return load_law(name, folder, f"{path}.law"), []
     except ExperimentError as error:
-        return None, [Problem(error.key, str(error).removeprefix(f"{error.key}: "))]
+        return None, [Mistake(error.key, str(error).removeprefix(f"{error.key}: "))]
 
 
-def _unknown_parameters(table: Mapping[str, Any], signature: Signature, path: str) -> list[Problem]:
+def _unknown_parameters(table: Mapping[str, Any], signature: Signature, path: str) -> list[Mistake]:
     problems = []
     for key in table:
         if key in _RESERVED:
-            problems.append(Problem(f"{path}.{key}", _RESERVED[key]))
+            problems.append(Mistake(f"{path}.{key}", _RESERVED[key]))
         elif key != "law" and not signature.takes(key):
             known = ["law", *(name for name in signature.names if name not in _RESERVED)]
             problems.append(
-                Problem(f"{path}.{key}", f"unknown parameter of law '{table['law']}': {nearest(key, known)}")
+                Mistake(f"{path}.{key}", f"unknown parameter of law '{table['law']}': {nearest(key, known)}")
             )
     return problems
 
 
-def _default_problems(defaults: Mapping[str, Any], signatures: Sequence[Signature]) -> list[Problem]:
+def _default_problems(defaults: Mapping[str, Any], signatures: Sequence[Signature]) -> list[Mistake]:
     """A default may be for some of the laws only; one that no law takes is a slip of the pen."""
     known = dict.fromkeys(name for signature in signatures for name in signature.names if name not in _RESERVED)
     problems = []
     for key in defaults:
         if key in _RESERVED:
-            problems.append(Problem(f"defaults.{key}", _RESERVED[key]))
+            problems.append(Mistake(f"defaults.{key}", _RESERVED[key]))
         elif not any(signature.takes(key) for signature in signatures):
-            problems.append(Problem(f"defaults.{key}", f"no law takes this parameter: {nearest(key, known)}"))
+            problems.append(Mistake(f"defaults.{key}", f"no law takes this parameter: {nearest(key, known)}"))
     return problems
 
 
-def _where_it_stands(problem: Problem, path: str, table: Mapping[str, Any], defaults: Mapping[str, Any]) -> Problem:
+def _where_it_stands(problem: Mistake, path: str, table: Mapping[str, Any], defaults: Mapping[str, Any]) -> Mistake:
     name = problem.key.removeprefix(f"{path}.")
     if name == "period":
-        return Problem("period", problem.message)
+        return Mistake("period", problem.message)
     if name not in table and name in defaults:
-        return Problem(f"defaults.{name}", problem.message)
+        return Mistake(f"defaults.{name}", problem.message)
     if problem.message == "is missing":
-        return Problem(problem.key, "is missing; give it here, or in [defaults] for all controllers")
+        return Mistake(problem.key, "is missing; give it here, or in [defaults] for all controllers")
     return problem
 
 
-def plant_size_problems(tables: ExperimentTables, arm: Arm) -> list[Problem]:
+def plant_size_problems(tables: ExperimentTables, arm: Arm) -> list[Mistake]:
     """Lists of ``[plant]`` and ``[metrics]`` whose length is not the number of the arm's joints."""
     plant = tables.plant
     given = [("metrics.settling_band", tables.metrics.settling_band)]
@@ -253,7 +253,7 @@ def plant_size_problems(tables: ExperimentTables, arm: Arm) -> list[Problem]:
     return _wrong_sizes(given, arm)
 
 
-def controller_size_problems(tables: ExperimentTables, folder: Path, arm: Arm) -> list[Problem]:
+def controller_size_problems(tables: ExperimentTables, folder: Path, arm: Arm) -> list[Mistake]:
     """Lists of the controllers whose length is not the number of the arm's joints."""
     signatures = {label: Signature(load_law(table["law"], folder)) for label, table in tables.controllers.items()}
     shared = [name for name in tables.defaults if any(item.per_joint(name) for item in signatures.values())]
@@ -268,9 +268,9 @@ def _is_list(signature: Signature, name: str, value: Any) -> bool:
     return signature.per_joint(name) and isinstance(value, list)
 
 
-def _wrong_sizes(given: Sequence[tuple[str, Any]], arm: Arm) -> list[Problem]:
+def _wrong_sizes(given: Sequence[tuple[str, Any]], arm: Arm) -> list[Mistake]:
     return [
-        Problem(key, f"{len(value)} values given, but {joints_of(arm)}")
+        Mistake(key, f"{len(value)} values given, but {joints_of(arm)}")
         for key, value in given
         if isinstance(value, list) and len(value) != arm.nv
     ]
@@ -282,7 +282,7 @@ def joints_of(arm: Arm) -> str:
     return f"{arm.name} has {arm.nv} {noun}: {', '.join(arm.joint_names)}"
 
 
-def fail(problems: Sequence[Problem], origin: str) -> None:
+def fail(problems: Sequence[Mistake], origin: str) -> None:
     """Raise an `ExperimentError` that lists all problems, one for each key; nothing if there is none."""
     if not problems:
         return
@@ -294,7 +294,7 @@ def fail(problems: Sequence[Problem], origin: str) -> None:
     raise error
 
 
-def _line(problem: Problem) -> str:
+def _line(problem: Mistake) -> str:
     # A label or a key may hold a line break, which would look like a message of its own.
     message = problem.message.replace("\n", " ")
     return f"{printable(problem.key)}: {message}" if problem.key else message

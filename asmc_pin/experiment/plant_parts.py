@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from asmc_pin.experiment.constructors import Problem, Signature, construct, nearest
+from asmc_pin.experiment.constructors import Mistake, Signature, construct, nearest
 from asmc_pin.plant import Disturbance, Drive, EndStops, Friction, PayloadChange, Sensor, Spread
 
 TABLES: dict[str, type] = {
@@ -24,10 +24,10 @@ LISTS: dict[str, type] = {"disturbances": Disturbance, "payload_changes": Payloa
 """Keys of ``[plant]`` that are a list of tables."""
 
 
-def plant_parts(plant: Any) -> tuple[dict[str, Any], list[Problem]]:
+def plant_parts(plant: Any) -> tuple[dict[str, Any], list[Mistake]]:
     """The parts that a ``[plant]`` table describes, by key, and what is wrong with them."""
     made: dict[str, Any] = {}
-    problems: list[Problem] = []
+    problems: list[Mistake] = []
     if not isinstance(plant, Mapping):
         return made, problems  # the schema has said so
     for key, cls in TABLES.items():
@@ -42,14 +42,14 @@ def plant_parts(plant: Any) -> tuple[dict[str, Any], list[Problem]]:
     return made, problems
 
 
-def _part(cls: type, table: Any, path: str) -> tuple[Any, list[Problem]]:
+def _part(cls: type, table: Any, path: str) -> tuple[Any, list[Mistake]]:
     if not isinstance(table, Mapping):
-        return None, [Problem(path, f"must be a table, got {table!r}")]
+        return None, [Mistake(path, f"must be a table, got {table!r}")]
     signature = Signature(cls)
     names = signature.names
-    wrong = [Problem(f"{path}.{key}", f"unknown key: {nearest(key, names)}") for key in table if key not in names]
+    wrong = [Mistake(f"{path}.{key}", f"unknown key: {nearest(key, names)}") for key in table if key not in names]
     wrong += [
-        Problem(f"{path}.{key}", f"must be a number, or a list with one for each joint, got {value!r}")
+        Mistake(f"{path}.{key}", f"must be a number, or a list with one for each joint, got {value!r}")
         for key, value in table.items()
         if signature.per_joint(key) and isinstance(value, list) and any(isinstance(item, list) for item in value)
     ]

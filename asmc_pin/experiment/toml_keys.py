@@ -66,13 +66,13 @@ _Infinite = Annotated[float, Field(allow_inf_nan=True)]
 LimitPerJoint = Annotated[_Infinite | list[_Infinite], _LIMIT, _SCHEMA]
 
 
-class Table(BaseModel):
+class TomlTable(BaseModel):
     """A table of the file: unknown keys are errors, text is not a number, and nothing changes after reading."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
-class PayloadTable(Table):
+class PayloadTable(TomlTable):
     """A body fixed to a link."""
 
     mass: float = Field(ge=0.0, description="kg")
@@ -121,7 +121,7 @@ _ARMATURE_SCHEMA = {
 }
 
 
-class ArmTable(Table):
+class ArmTable(TomlTable):
     """The arm: a name from ``asmc-pin arms``, or a URDF."""
 
     source: str = Field(min_length=1, description="name of an arm, or path of a URDF (relative to this file)")
@@ -151,7 +151,7 @@ def arm_table(value: Any) -> Any:
     return {"source": value} if isinstance(value, str) else value
 
 
-class PlantTable(Table):
+class PlantTable(TomlTable):
     """The simulated world. What is omitted is the plant's own default."""
 
     substeps: int = Field(default=2, ge=1, description="integration steps in each control period")
@@ -175,7 +175,7 @@ class PlantTable(Table):
     spread: dict[str, Any] | None = Field(default=None, description="scatter of the parameters from trial to trial")
 
 
-class MetricsTable(Table):
+class MetricsTable(TomlTable):
     """What the metrics of docs/metrics.md need to be told."""
 
     cutoff_hz: float = Field(default=50.0, gt=0.0, description="torque power above it counts as high-frequency, Hz")
@@ -206,7 +206,7 @@ def _in_seconds(period: float) -> float:
     return period
 
 
-class ExperimentTables(Table):
+class ExperimentTables(TomlTable):
     """All keys at the top of an experiment file."""
 
     name: str = Field(

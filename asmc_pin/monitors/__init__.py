@@ -6,7 +6,7 @@ In come a rollout, its plant and its law, out go verdicts with reasons and the a
 
 from __future__ import annotations
 
-from asmc_pin.monitors.claim_texts import CAUSES, STATEMENTS, STATUSES, Claim, Statement
+from asmc_pin.monitors.claim_texts import CAUSES, STATEMENTS, STATUSES, Claim, ClaimText
 from asmc_pin.monitors.law_signals import gamma_at_ticks
 from asmc_pin.monitors.monitor_record import Monitors, monitor
 from asmc_pin.monitors.monitor_tables import claim_rows, monitor_dataset
@@ -16,8 +16,8 @@ __all__ = [
     "STATEMENTS",
     "STATUSES",
     "Claim",
+    "ClaimText",
     "Monitors",
-    "Statement",
     "claim_rows",
     "gamma_at_ticks",
     "monitor",

@@ -20,7 +20,7 @@ CAUSES = (SAMPLING, SATURATION, NOISE, DRIVE)
 
 
 @dataclass(frozen=True)
-class Statement:
+class ClaimText:
     """A claim in general.
 
     Attributes:
@@ -40,27 +40,27 @@ class Statement:
     adaptive: bool = False
 
 
-STATEMENTS: Mapping[str, Statement] = {
-    "lemma1": Statement(
+STATEMENTS: Mapping[str, ClaimText] = {
+    "lemma1": ClaimText(
         "Lemma 1 (condition)", "‖I − M(q)⁻¹M̄‖₂ < 1 along the motion", "1", r"$\|I - M^{-1}\bar{M}\|_2 < 1$", "ticks"
     ),
-    "contraction": Statement(
+    "contraction": ClaimText(
         "Lemma 1 (contraction)",
         "‖N‖₂ does not grow from tick to tick (as L → 0 nothing comes in)",
         "rad/s²",
         r"$\|N\|_2$ falls",
         "ticks after the first",
     ),
-    "lemma2": Statement(
+    "lemma2": ClaimText(
         "Lemma 2", "k̂ᵢ < k̂ᵢ*, with the bound that (12) and (16) give", "rad/s²", "Lemma 2", "ticks", True
     ),
-    "eq16": Statement(
+    "eq16": ClaimText(
         "(16)", "V̇ ≤ −β‖s‖² while ‖s‖_∞ ≥ ε", "rad²/s³", "(16)", "periods with ‖s‖_∞ ≥ ε at both ends", True
     ),
-    "t_eps": Statement(
+    "t_eps": ClaimText(
         "finite t_ε", "s enters ‖s‖_∞ < ε, by V/(βε²) after the start", "s", r"$t_\varepsilon$", "run", True
     ),
-    "eq21": Statement("Theorem 1 (21)", "‖s‖₂ < √(nε² + k̃_M) from t_ε on", "rad/s", "(21)", "ticks from t_ε on", True),
+    "eq21": ClaimText("Theorem 1 (21)", "‖s‖₂ < √(nε² + k̃_M) from t_ε on", "rad/s", "(21)", "ticks from t_ε on", True),
 }
 """The claims by their keys, in the order of the tables."""
 
@@ -97,7 +97,7 @@ class Claim:
     until: float = np.nan
 
     @property
-    def statement(self) -> Statement:
+    def statement(self) -> ClaimText:
         """What it says in general."""
         return STATEMENTS[self.key]
 

@@ -15,7 +15,7 @@ from asmc_pin.pages.condition_words import facts, headline, joint_table, meaning
 from asmc_pin.pages.plates import Plate, framed, is_html, write_beside
 from asmc_pin.pages.summary_tables import Table, markdown_table
 from asmc_pin.viewer.drawing.drawn_bodies import draw
-from asmc_pin.viewer.played_motion import Motion, describe
+from asmc_pin.viewer.played_motion import PlayedMotion, describe
 from asmc_pin.viewer.player_page import replay_element
 from asmc_pin.words.media import for_html, for_markdown
 
@@ -144,7 +144,7 @@ def _posture(check: ConditionReport) -> str:
     """The arm in its worst configuration."""
     drawn = draw(check.subject)
     label = f"norm {check.lower:.6g}"
-    motion = Motion(label=label, colour=_WORST, q=check.worst_q[None, :])
+    motion = PlayedMotion(label=label, colour=_WORST, q=check.worst_q[None, :])
     description = describe(drawn, check.joints, np.zeros(1), [motion], None)
     return replay_element(description, drawn.notes, embedded=True)
 
@@ -156,7 +156,7 @@ def _along(check: ConditionReport) -> str:
     assert check.motion is not None
     span = float(np.ptp(check.norms))
     shades = colormaps[COLOURS]((check.norms - check.norms.min()) / (span or 1.0))[:, :3]
-    motion = Motion("along the motion", _WORST, check.motion, shades=shades, reading=("norm", check.norms))
+    motion = PlayedMotion("along the motion", _WORST, check.motion, shades=shades, reading=("norm", check.norms))
     drawn = draw(check.subject)
     description = describe(drawn, check.joints, check.times - check.times[0], [motion], None)
     return replay_element(description, drawn.notes, embedded=True)

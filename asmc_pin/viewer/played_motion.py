@@ -20,7 +20,7 @@ FRAMES = 6000
 
 
 @dataclass(frozen=True)
-class Motion:
+class PlayedMotion:
     """The motion of one arm.
 
     Attributes:
@@ -45,7 +45,7 @@ def describe(
     arm: DrawnArm,
     joint_names: Sequence[str],
     time: Array,
-    motions: Sequence[Motion],
+    motions: Sequence[PlayedMotion],
     reference: Array | None,
     fps: float = 60.0,
 ) -> dict[str, Any]:
@@ -125,7 +125,7 @@ def _resample(time: Array, q: Array, grid: Array) -> Array:
     return np.stack([np.interp(grid, time[:last], known[:, joint]) for joint in range(q.shape[1])], axis=1)
 
 
-def _shown(motion: Motion, time: Array, grid: Array) -> dict[str, Any]:
+def _shown(motion: PlayedMotion, time: Array, grid: Array) -> dict[str, Any]:
     """What a motion shows beside itself, at the grid's instants; nothing for most."""
     shown: dict[str, Any] = {}
     if motion.shades is not None:

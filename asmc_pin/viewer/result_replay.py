@@ -9,7 +9,7 @@ from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import AsmcPinError, ResultError
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.viewer.drawing.drawn_bodies import TRIANGLES, draw
-from asmc_pin.viewer.played_motion import Motion, describe
+from asmc_pin.viewer.played_motion import PlayedMotion, describe
 from asmc_pin.viewer.player_page import replay_element, replay_page
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def replay_fragment(result: Result, *, trial: int = 0, embedded: bool = True) ->
     labels = [str(label) for label in run.controller.to_numpy()]
     colours = controller_colors(labels)
     motions = [
-        Motion(
+        PlayedMotion(
             label=label,
             colour=colours[label],
             q=run.q.isel(controller=k).transpose("time", "joint").to_numpy(),

@@ -13,7 +13,7 @@ from asmc_pin.condition.certificate.container import FORMAT
 from asmc_pin.condition.checker.balls.balls import BallArm
 from asmc_pin.condition.checker.boxes.quadratic_form import Form
 from asmc_pin.condition.checker.reading.certificate_schema import Contents, contents
-from asmc_pin.condition.checker.reading.header_parts import Case, Statement
+from asmc_pin.condition.checker.reading.header_parts import WrittenCase, WrittenStatement
 from asmc_pin.condition.checker.reading.link_chain import Chain, chain_of, cross
 from asmc_pin.condition.checker.reading.urdf_text import description
 
@@ -100,12 +100,12 @@ def told(n: int = 2, **changes: Any) -> Contents:
     return contents(header(n, **changes))
 
 
-def parsed_statement(n: int, kind: str, **changes: Any) -> Statement:
+def parsed_statement(n: int, kind: str, **changes: Any) -> WrittenStatement:
     made = told(n, condition=condition_of(kind), statements=[statement(n, kind, **changes)])
     return made.statements[0]
 
 
-def parsed_case(n: int, **changes: Any) -> Case:
+def parsed_case(n: int, **changes: Any) -> WrittenCase:
     return told(n, cases=[case(n, **changes)], statements=[]).cases[0]
 
 

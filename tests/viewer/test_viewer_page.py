@@ -21,7 +21,7 @@ from viewer_cases import HOSTILE, awkward_result, swing
 from asmc_pin.arms import load_arm
 from asmc_pin.errors import ParameterError, ResultError
 from asmc_pin.results.result_folder import Result, load_result
-from asmc_pin.viewer import Motion, describe, draw, replay_element, replay_html, replay_page, write_replay
+from asmc_pin.viewer import PlayedMotion, describe, draw, replay_element, replay_html, replay_page, write_replay
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +96,7 @@ def test_a_ur5_page_with_four_controllers_can_be_mailed() -> None:
     arm = load_arm("ur5")
     time = np.arange(0.0, 8.0, 0.002)
     wave = np.sin(time[:, None] * np.arange(1, 7))
-    motions = [Motion(str(k), "#000000", wave + 0.01 * k) for k in range(4)]
+    motions = [PlayedMotion(str(k), "#000000", wave + 0.01 * k) for k in range(4)]
     drawn = draw(arm)
     page = replay_page("demo", "", replay_element(describe(drawn, arm.joint_names, time, motions, wave)))
     assert len(page.encode()) < 4e6
@@ -105,7 +105,7 @@ def test_a_ur5_page_with_four_controllers_can_be_mailed() -> None:
 def test_meshcat_gets_back_the_mesh_that_was_packed() -> None:
     drawn = draw(load_arm("ur5"), triangles=2000)
     description = describe(
-        drawn, load_arm("ur5").joint_names, np.zeros(1), [Motion("", "#000", np.zeros((1, 6)))], None
+        drawn, load_arm("ur5").joint_names, np.zeros(1), [PlayedMotion("", "#000", np.zeros((1, 6)))], None
     )
     for body, command in zip(drawn.bodies, description["commands"], strict=True):
         unpacked = umsgpack.unpackb(base64.b64decode(command))
@@ -138,7 +138,7 @@ def test_frames_are_few_and_lie_on_the_motion() -> None:
 def test_a_long_motion_gets_fewer_frames_per_second() -> None:
     arm = load_arm("two_link")
     time = np.linspace(0.0, 1000.0, 5001)
-    motion = Motion("", "#000000", np.zeros((5001, 2)))
+    motion = PlayedMotion("", "#000000", np.zeros((5001, 2)))
     description = describe(draw(arm, 500), arm.joint_names, time, [motion], None)
     assert len(frames(description, 0)) == 6001
 
@@ -154,7 +154,9 @@ def test_after_a_divergence_the_arm_stays_where_it_last_was() -> None:
 def test_motions_of_a_wrong_size_are_refused() -> None:
     arm = load_arm("two_link")
     with pytest.raises(ParameterError, match=r"'lopsided' has shape \(3, 1\), expected \(3, 2\)"):
-        describe(draw(arm, 500), arm.joint_names, np.arange(3.0), [Motion("lopsided", "#000", np.zeros((3, 1)))], None)
+        describe(
+            draw(arm, 500), arm.joint_names, np.arange(3.0), [PlayedMotion("lopsided", "#000", np.zeros((3, 1)))], None
+        )
 
 
 def test_a_result_of_a_lost_or_changed_arm_is_refused_in_words(result: Result, tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from itertools import product
 from typing import Any, Literal, TypeAlias
 
 from asmc_pin.condition.checker.reading.certificate_schema import Contents
-from asmc_pin.condition.checker.reading.header_parts import Case, Header, Malformed, Statement
+from asmc_pin.condition.checker.reading.header_parts import Header, Malformed, WrittenCase, WrittenStatement
 from asmc_pin.words.text import rounded_down, rounded_up
 
 Verdict: TypeAlias = Literal["holds", "violated", "undecided"]
@@ -77,7 +77,7 @@ class Conclusion:
 def conclude(told: Contents, witness: Witness) -> Conclusion:
     """What follows from the statements, if all of them are true, and from the configurations."""
     scales, uppers = [], []
-    by_case: list[list[Statement]] = [[] for _ in told.cases]
+    by_case: list[list[WrittenStatement]] = [[] for _ in told.cases]
     for statement in told.statements:
         by_case[statement.case].append(statement)
     for own, case in zip(by_case, told.cases, strict=True):
@@ -124,7 +124,7 @@ def disagreements(told: Contents, found: Conclusion) -> list[str]:
     return said
 
 
-def armature_words(told: Header, statement: Statement) -> str:
+def armature_words(told: Header, statement: WrittenStatement) -> str:
     """At which corner of its case's range of the armature a statement is proven; empty where it is the whole range.
 
     Raises:
@@ -143,7 +143,7 @@ def armature_words(told: Header, statement: Statement) -> str:
     return "" if whole else f"armature {', '.join(f'{a!r}' for a in statement.armature)} kg·m²"
 
 
-def _scale(condition: str, own: Sequence[Statement], case: Case) -> float:
+def _scale(condition: str, own: Sequence[WrittenStatement], case: WrittenCase) -> float:
     """The largest factor of M̄ at which the condition is proven over a case's range of the armature.
 
     Both conditions only gain by armature, so that the lower end covers the range.
@@ -153,7 +153,7 @@ def _scale(condition: str, own: Sequence[Statement], case: Case) -> float:
     return max(proven, default=0.0)
 
 
-def _level(condition: str, own: Sequence[Statement], case: Case) -> float | None:
+def _level(condition: str, own: Sequence[WrittenStatement], case: WrittenCase) -> float | None:
     """The least level of M̄ itself that is proven over a case's range of the armature; None for none."""
     at = [s for s in own if s.scale == 1.0]
     levels = sorted({s.level for s in at if s.level < 1.0})
@@ -163,24 +163,24 @@ def _level(condition: str, own: Sequence[Statement], case: Case) -> float | None
     return levels[first] if first < len(levels) else None
 
 
-def _weighted_level(statements: Sequence[Statement], case: Case) -> bool:
+def _weighted_level(statements: Sequence[WrittenStatement], case: WrittenCase) -> bool:
     """M̄ ≺ (1 + γ) M at the least armature, and (1 − γ) M ≺ M̄ at the largest."""
     above = any(s.kind == "weighted" and covers_below(s, case) for s in statements)
     below = any(s.kind == "bounded" and covers_above(s, case) for s in statements)
     return above and below
 
 
-def covers_below(statement: Statement, case: Case) -> bool:
+def covers_below(statement: WrittenStatement, case: WrittenCase) -> bool:
     """Whether what is proven from below covers a case's range of the armature: more of it only adds to M."""
     return _below(statement.armature, case.armature_lower)
 
 
-def covers_above(statement: Statement, case: Case) -> bool:
+def covers_above(statement: WrittenStatement, case: WrittenCase) -> bool:
     """Whether what is proven from above covers it."""
     return _below(case.armature_upper, _with_slack(statement))
 
 
-def _lemma1_level(statements: Sequence[Statement], case: Case) -> bool:
+def _lemma1_level(statements: Sequence[WrittenStatement], case: WrittenCase) -> bool:
     """The whole range by one statement with its slack, or every corner by a statement of its own."""
     levels = [s for s in statements if s.kind == "level"]
     low, high = case.armature_lower, case.armature_upper
@@ -196,7 +196,7 @@ def _below(a: Sequence[float], b: Sequence[float]) -> bool:
     return all(x <= y for x, y in zip(a, b, strict=True))
 
 
-def _with_slack(statement: Statement) -> tuple[float, ...]:
+def _with_slack(statement: WrittenStatement) -> tuple[float, ...]:
     """The largest armature that a statement covers.
 
     Its slack was the upper end less the lower one, rounded; `quadratic_form.SLACKER` replays it with more than that.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from asmc_pin.condition.checker.conclusions import covers_above, covers_below
-from asmc_pin.condition.checker.reading.header_parts import Header, Statement
+from asmc_pin.condition.checker.reading.header_parts import Header, WrittenStatement
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def _over_all(
     told: Header,
     kind: str,
     covers: Callable[..., bool],
-    bound: Callable[[Statement], Fraction],
+    bound: Callable[[WrittenStatement], Fraction],
     best: Callable[..., Fraction],
     worst: Callable[..., Fraction],
 ) -> Fraction | None:

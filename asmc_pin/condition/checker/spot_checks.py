@@ -15,7 +15,7 @@ from flint import arb, ctx
 from asmc_pin._typing import Array
 from asmc_pin.condition.checker.balls.balls import PRECISIONS, BallArm, holds
 from asmc_pin.condition.checker.boxes.quadratic_form import Form, least_eigenvalues
-from asmc_pin.condition.checker.reading.header_parts import Case, Statement
+from asmc_pin.condition.checker.reading.header_parts import WrittenCase, WrittenStatement
 
 _TRIED = 256
 """Configurations of a cell among which the one with least left is looked for."""
@@ -49,8 +49,8 @@ class Spots:
 def spot_checks(
     arm: BallArm,
     form: Form,
-    statement: Statement,
-    case: Case,
+    statement: WrittenStatement,
+    case: WrittenCase,
     mbar: Sequence[float],
     centres: Array,
     halves: Array,
@@ -111,7 +111,7 @@ def spot_checks(
 
 def _asked(
     arm: BallArm,
-    statement: Statement,
+    statement: WrittenStatement,
     mbar: Sequence[float],
     q: Array,
     radius: Array,
@@ -128,7 +128,7 @@ def _asked(
     return verdict
 
 
-def _armature(statement: Statement, case: Case, rng: np.random.Generator) -> list[float]:
+def _armature(statement: WrittenStatement, case: WrittenCase, rng: np.random.Generator) -> list[float]:
     """One out of the range that the statement is used for: of a level its own, else the case's; an end or between."""
     low, high = np.array(case.armature_lower), np.array(case.armature_upper)
     if statement.kind == "level":

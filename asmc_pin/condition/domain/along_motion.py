@@ -25,7 +25,7 @@ PERIOD = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class FollowedMotion:
     """Configurations in time.
 
     Attributes:
@@ -56,7 +56,7 @@ class Slice:
     upper: Array
 
 
-def motion_of(along: Any, nv: int, *, period: float | None = None, duration: float | None = None) -> Motion:
+def motion_of(along: Any, nv: int, *, period: float | None = None, duration: float | None = None) -> FollowedMotion:
     """The configurations of a motion, sampled at control ticks.
 
     Args:
@@ -72,7 +72,7 @@ def motion_of(along: Any, nv: int, *, period: float | None = None, duration: flo
         ParameterError: Another number of joints, or a motion that never ends and no duration.
     """
     if hasattr(along, "time") and hasattr(along, "q"):
-        motion = Motion(np.asarray(along.time), np.asarray(along.q), getattr(along, "name", "recorded data"))
+        motion = FollowedMotion(np.asarray(along.time), np.asarray(along.q), getattr(along, "name", "recorded data"))
     else:
         name = getattr(along, "name", None)
         if hasattr(along, "build_reference"):
@@ -86,13 +86,13 @@ def motion_of(along: Any, nv: int, *, period: float | None = None, duration: flo
         if not np.isfinite(duration) or duration <= 0.0:
             raise ParameterError("along", "the reference goes on for ever; give a duration in s")
         times = np.arange(round(duration / (period or PERIOD)) + 1) * (period or PERIOD)
-        motion = Motion(times, along.evaluate(times).q, f"the reference of '{name}'" if name else "a reference")
+        motion = FollowedMotion(times, along.evaluate(times).q, f"the reference of '{name}'" if name else "a reference")
     if motion.q.ndim != 2 or motion.q.shape[1] != nv:
         raise ParameterError("along", f"it moves {motion.q.shape[-1]} joints, and the arm has {nv}")
     return motion
 
 
-def check_units(arm: Arm, along: Any, motion: Motion) -> None:
+def check_units(arm: Arm, along: Any, motion: FollowedMotion) -> None:
     """Ask about a motion whose angles look like degrees.
 
     Args:
@@ -143,7 +143,7 @@ def armature_ends(lower: Array, upper: Array) -> Array:
 
 
 def tube(
-    motion: Motion, width: float | Sequence[float] | Array, slices: int = 50, kinds: Sequence[str] = ()
+    motion: FollowedMotion, width: float | Sequence[float] | Array, slices: int = 50, kinds: Sequence[str] = ()
 ) -> list[Slice]:
     """A tube around a motion: the joint box of each time slice, widened on both sides.
 

@@ -32,7 +32,7 @@ class DrawingWarning(UserWarning):
 
 
 @dataclass(frozen=True)
-class Body:
+class DrawnBody:
     """What moves with one joint, or stands with the base.
 
     Attributes:
@@ -60,12 +60,12 @@ class DrawnArm:
         name: The arm's name.
         bodies: The base first, then one per joint.
         upright: Rotation that turns the arm's gravity downwards, shape (4, 4): an arm under a ceiling hangs.
-        tip: Body and point in its frame, m, whose path is drawn.
+        tip: DrawnBody and point in its frame, m, whose path is drawn.
         notes: What a person should know of the picture, such as missing meshes.
     """
 
     name: str
-    bodies: tuple[Body, ...]
+    bodies: tuple[DrawnBody, ...]
     upright: Array
     tip: tuple[int, Array]
     notes: tuple[str, ...]
@@ -87,7 +87,7 @@ def draw(arm: Arm, triangles: int = TRIANGLES) -> DrawnArm:
     parts = assemble(arm)
     meshes = simplify([join(surfaces) for surfaces in parts.surfaces], triangles)
     bodies = tuple(
-        Body(parent, placement, index - 1, axis, prismatic, mesh)
+        DrawnBody(parent, placement, index - 1, axis, prismatic, mesh)
         for index, ((parent, placement, axis, prismatic), mesh) in enumerate(zip(parts.frames, meshes, strict=True))
     )
     return DrawnArm(arm.name, bodies, _upright(arm.gravity_vector), (arm.nv, parts.tip), parts.notes)

@@ -24,7 +24,7 @@ from asmc_pin.condition.certificate.search_and_proof import certified
 from asmc_pin.condition.certificate.statement_forms import DATA, MARGIN, Kind, Statement, _largest, problem_of
 from asmc_pin.condition.certificate.walk import Walk
 from asmc_pin.condition.checker import check
-from asmc_pin.condition.domain.along_motion import Motion, tube
+from asmc_pin.condition.domain.along_motion import FollowedMotion, tube
 from asmc_pin.condition.domain.arm_ranges import cases
 from asmc_pin.condition.domain.joint_box import resolve_box
 from asmc_pin.condition.search.samples import evaluate
@@ -211,7 +211,7 @@ def test_a_slide_is_never_cut_to_a_turn(tmp_path: Path) -> None:
 @pytest.mark.parametrize("slices", [1, 3, 7, 20, 500])
 def test_the_slices_of_a_tube_hold_each_configuration_and_what_lies_between_two(slices: int) -> None:
     rng = np.random.default_rng(slices)
-    motion = Motion(np.linspace(0.0, 1.0, 21), np.cumsum(rng.normal(size=(21, 2)), axis=0), "a walk")
+    motion = FollowedMotion(np.linspace(0.0, 1.0, 21), np.cumsum(rng.normal(size=(21, 2)), axis=0), "a walk")
     parts = tube(motion, [0.0, 0.25], slices)
     assert (parts[0].start, parts[-1].end) == (0.0, 1.0)
     assert len(parts) == min(slices, 20)
@@ -224,7 +224,7 @@ def test_the_slices_of_a_tube_hold_each_configuration_and_what_lies_between_two(
             there = [part for part in parts if part.start <= t <= part.end]
             assert there
             assert any(np.all((part.lower <= q - reach) & (q + reach <= part.upper)) for part in there)
-    still = tube(Motion(np.zeros(1), np.ones((1, 2)), "a point"), 0.5)
+    still = tube(FollowedMotion(np.zeros(1), np.ones((1, 2)), "a point"), 0.5)
     assert [(part.lower.tolist(), part.upper.tolist()) for part in still] == [([0.5, 0.5], [1.5, 1.5])]
 
 

@@ -21,7 +21,7 @@ from asmc_pin.condition.certificate.statement_forms import Kind, canonical
 from asmc_pin.condition.checker import check
 from asmc_pin.condition.checker.boxes.box_bounds import holds
 from asmc_pin.condition.checker.boxes.quadratic_form import form_of
-from asmc_pin.condition.checker.reading.header_parts import Statement
+from asmc_pin.condition.checker.reading.header_parts import WrittenStatement
 from asmc_pin.condition.checker.reading.link_chain import Chain
 from asmc_pin.rigid_body.tree import Tree
 
@@ -35,7 +35,7 @@ def checker_proves(asked: Question, x: float) -> bool:
     if x <= 0.0 or (asked.kind in ("bounded", "level") and x >= 1.0):
         return False
     s = asked.statement(x)
-    statement = Statement.model_construct(
+    statement = WrittenStatement.model_construct(
         kind=s.kind, scale=s.scale, level=s.level, case=0, armature=tuple(s.armature), slack=tuple(s.slack)
     )
     chain = chain_of_tree(asked.tree)

@@ -25,7 +25,7 @@ from flint import arb, arb_mat, ctx
 from asmc_pin._typing import Array
 from asmc_pin.condition.checker.boxes import box_bounds as bounds
 from asmc_pin.condition.checker.boxes.quadratic_form import Form, form_of
-from asmc_pin.condition.checker.reading.header_parts import Statement
+from asmc_pin.condition.checker.reading.header_parts import WrittenStatement
 from asmc_pin.condition.checker.reading.link_chain import Chain, cross
 from asmc_pin.rigid_body.mass_matrix import mass_matrices
 from asmc_pin.rigid_body.tree import Tree
@@ -573,10 +573,10 @@ def test_no_statement_that_a_configuration_contradicts_is_proven_of_a_box(kind: 
             assert not bounds.holds(form, centre[None], wide[None])[0][0]
 
 
-def _parsed(said: object) -> Statement:
+def _parsed(said: object) -> WrittenStatement:
     fields = {key: getattr(said, key) for key in ("kind", "scale", "level", "case")}
     rows = {key: tuple(getattr(said, key).tolist()) for key in ("armature", "slack")}
-    return Statement.model_construct(**fields, **rows)
+    return WrittenStatement.model_construct(**fields, **rows)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -14,12 +14,12 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.checker.boxes.bisection import Broken, Cells, cells, leaves
 from asmc_pin.condition.checker.boxes.quadratic_form import Form, form_of, joint_space, least_eigenvalues, metrics
 from asmc_pin.condition.checker.boxes.statements import _halves
-from asmc_pin.condition.checker.reading.header_parts import Statement
+from asmc_pin.condition.checker.reading.header_parts import WrittenStatement
 
 # The four statements ------------------------------------------------------------------------------------------------
 
 
-def _written(said: Statement, M: Array, mbar: Array) -> Array:
+def _written(said: WrittenStatement, M: Array, mbar: Array) -> Array:
     """The matrix of docs/certificate.md, M with the armature in it."""
     f, gamma, N = said.scale, said.level, np.diag(1.0 / mbar)
     one = np.eye(mbar.size)

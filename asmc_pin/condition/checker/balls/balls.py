@@ -26,7 +26,7 @@ from asmc_pin.condition.checker.balls.ball_geometry import (
     unit,
     zero,
 )
-from asmc_pin.condition.checker.reading.header_parts import Load, Statement
+from asmc_pin.condition.checker.reading.header_parts import Load, WrittenStatement
 from asmc_pin.condition.checker.reading.urdf_text import Description
 
 Verdict: TypeAlias = Literal["true", "false", "open"]
@@ -168,7 +168,7 @@ def _joined(whole: _Load, part: _Load, turn: arb_mat, place: arb_mat) -> _Load:
     return whole[0] + mass, whole[1] + at * mass, whole[2] + own + spread * mass
 
 
-def holds(statement: Statement, mass: arb_mat, mbar: Sequence[float]) -> Verdict:
+def holds(statement: WrittenStatement, mass: arb_mat, mbar: Sequence[float]) -> Verdict:
     """A statement at the inertia matrices that a ball matrix encloses, asked of f M⁻¹M̄ itself.
 
     With S = M̄^½ M⁻¹ M̄^½ and A = f M⁻¹M̄: ``weighted`` says f λ(S) < 1 + γ, ``bounded`` says f λ(S) > 1 − γ, ``lemma1``

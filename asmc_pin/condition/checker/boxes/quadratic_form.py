@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asmc_pin._typing import Array, IntArray
-from asmc_pin.condition.checker.reading.header_parts import Statement
+from asmc_pin.condition.checker.reading.header_parts import WrittenStatement
 from asmc_pin.condition.checker.reading.link_chain import Chain
 
 SLACKER = 1e-15
@@ -84,7 +84,7 @@ def lift(X: Array, p: int) -> Array:
     return out
 
 
-def form_of(chain: Chain, mbar: Array, statement: Statement, lower: Array, upper: Array) -> Form:
+def form_of(chain: Chain, mbar: Array, statement: WrittenStatement, lower: Array, upper: Array) -> Form:
     """A statement of a certificate as a quadratic form."""
     n = mbar.size
     f, gamma, kind = statement.scale, statement.level, statement.kind

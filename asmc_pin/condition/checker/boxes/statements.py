@@ -15,7 +15,7 @@ from asmc_pin.condition.checker.boxes.box_bounds import WIDE, holds
 from asmc_pin.condition.checker.boxes.quadratic_form import Form, form_of
 from asmc_pin.condition.checker.conclusions import armature_words
 from asmc_pin.condition.checker.outcome import CheckedStatement
-from asmc_pin.condition.checker.reading.header_parts import Header, Statement
+from asmc_pin.condition.checker.reading.header_parts import Header, WrittenStatement
 from asmc_pin.condition.checker.reading.link_chain import Chain
 from asmc_pin.condition.checker.spot_checks import Spots, spot_checks
 
@@ -43,7 +43,7 @@ _SPOTS = 32
 
 def replay_statement(
     told: Header,
-    statement: Statement,
+    statement: WrittenStatement,
     record: np.ndarray[Any, np.dtype[np.uint8]],
     chain: Chain,
     balls: BallArm,

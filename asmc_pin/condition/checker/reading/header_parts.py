@@ -90,7 +90,7 @@ class Load(Part):
         return self
 
 
-class Case(Part):
+class WrittenCase(Part):
     """One arm and joint box of those that the statements speak of."""
 
     label: Text
@@ -109,7 +109,7 @@ class Case(Part):
         return self.payload if self.payload is not None and self.payload.mass > 0.0 else None
 
 
-class Statement(Part):
+class WrittenStatement(Part):
     """One positivity statement; see docs/certificate.md."""
 
     kind: Literal["weighted", "bounded", "lemma1", "level"]
@@ -120,7 +120,7 @@ class Statement(Part):
     slack: Row
 
     @model_validator(mode="after")
-    def _of_its_kind(self) -> Statement:
+    def _of_its_kind(self) -> WrittenStatement:
         """A level of one is the condition itself, which two of the kinds are and two are not."""
         if self.kind == "lemma1" and self.level != 1.0:
             raise ValueError("a statement 'lemma1' has the level 1")
@@ -152,8 +152,8 @@ class Header(Part):
     joints: Annotated[tuple[Name, ...], Field(min_length=1, max_length=64)]
     mbar: tuple[Annotated[Hex, Field(gt=0.0)], ...]
     # The first bad one is enough: a message for each of many costs more than the file.
-    cases: Annotated[tuple[Case, ...], Field(min_length=1), FailFast()]
-    statements: Annotated[tuple[Statement, ...], FailFast()]
+    cases: Annotated[tuple[WrittenCase, ...], Field(min_length=1), FailFast()]
+    statements: Annotated[tuple[WrittenStatement, ...], FailFast()]
     digest: Text
 
     @property

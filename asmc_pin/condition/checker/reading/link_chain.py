@@ -11,7 +11,7 @@ from flint import arb, arb_mat, ctx
 from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.condition.checker.balls.ball_geometry import about, column, normalised, rotation, still, symmetric
 from asmc_pin.condition.checker.reading.header_parts import Load
-from asmc_pin.condition.checker.reading.urdf_text import Description, Joint, Unreadable
+from asmc_pin.condition.checker.reading.urdf_text import Description, Unreadable, WrittenJoint
 from asmc_pin.words.text import printable
 
 
@@ -143,7 +143,7 @@ class _Reader:
         inertia = np.array([_floats(matrix) for matrix in self._inertia])
         return Chain(self._parent, self._place, self._axis, self._slides, inertia)
 
-    def _beyond(self, joint: Joint, body: int, turn: arb_mat, place: arb_mat) -> tuple[int, arb_mat, arb_mat]:
+    def _beyond(self, joint: WrittenJoint, body: int, turn: arb_mat, place: arb_mat) -> tuple[int, arb_mat, arb_mat]:
         """The body that a joint's child moves with, and the child's pose in that body's frame."""
         at = place + turn * column(joint.pose.xyz)
         turned = turn * rotation(joint.pose)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from asmc_pin.condition.checker.reading.certificate_schema import Contents
-from asmc_pin.condition.checker.reading.header_parts import Case, Header, Load, Malformed
+from asmc_pin.condition.checker.reading.header_parts import Header, Load, Malformed, WrittenCase
 from asmc_pin.condition.checker.reading.link_chain import Chain
 from asmc_pin.condition.checker.reading.urdf_text import Description
 from asmc_pin.condition.hypotheses import Carried, Hypotheses, Premises, fold_locks
@@ -80,14 +80,14 @@ def subject(told: Header, urdf: str, robot: Description, chain: Chain) -> Subjec
     return Subject(hypotheses, tuple(_label(case, locked, loads, boxes) for case in cases))
 
 
-def _locked(cases: tuple[Case, ...]) -> tuple[dict[str, float | tuple[float, ...]], bool]:
+def _locked(cases: tuple[WrittenCase, ...]) -> tuple[dict[str, float | tuple[float, ...]], bool]:
     names = set(cases[0].locked)
     if any(set(case.locked) != names for case in cases):
         raise Malformed("the cases lock different joints")
     return fold_locks(sorted((case.locked for case in cases), key=lambda locked: [locked[n] for n in cases[0].locked]))
 
 
-def _loads(cases: tuple[Case, ...]) -> tuple[Load | None, ...]:
+def _loads(cases: tuple[WrittenCase, ...]) -> tuple[Load | None, ...]:
     """The one payload, or the two ends of a range, the lightest first."""
     loads = tuple(sorted({case.load for case in cases}, key=lambda load: load.mass if load is not None else -1.0))
     if len(loads) > 2:
@@ -116,7 +116,7 @@ def _carried(loads: tuple[Load | None, ...]) -> Carried | None:
 
 
 def _label(
-    case: Case,
+    case: WrittenCase,
     locked: dict[str, float | tuple[float, ...]],
     loads: tuple[Load | None, ...],
     boxes: list[tuple[tuple[float, ...], tuple[float, ...]]],

@@ -40,7 +40,7 @@ class Pose:
 
 
 @dataclass(frozen=True)
-class Body:
+class WrittenBody:
     """``<inertial>`` of a link: kg, and ixx, ixy, ixz, iyy, iyz, izz about the centre in the pose's axes, kg·m²."""
 
     mass: str
@@ -49,7 +49,7 @@ class Body:
 
 
 @dataclass(frozen=True)
-class Joint:
+class WrittenJoint:
     """A joint of the text, the fixed ones included."""
 
     name: str
@@ -74,8 +74,8 @@ class Description:
 
     name: str
     root: str
-    bodies: Mapping[str, Body | None]
-    children: Mapping[str, Sequence[Joint]]
+    bodies: Mapping[str, WrittenBody | None]
+    children: Mapping[str, Sequence[WrittenJoint]]
 
 
 def description(text: str) -> Description:
@@ -91,7 +91,7 @@ def description(text: str) -> Description:
         raise Unreadable(f"the URDF begins with <{printable(root.tag)}>, <robot> expected")
     if root.get("version", "1.0") not in ("1.0", "1.1", "1.2"):
         raise Unreadable(f"the URDF is of version '{printable(root.get('version', ''))}', which is not read here")
-    bodies: dict[str, Body | None] = {}
+    bodies: dict[str, WrittenBody | None] = {}
     for link in root.findall("link"):
         name = _name(link)
         if name in bodies:
@@ -99,7 +99,7 @@ def description(text: str) -> Description:
         bodies[name] = _body(link)
     if len(bodies) > MOST_LINKS:
         raise Unreadable(f"the URDF has {len(bodies)} links, at most {MOST_LINKS} are read here")
-    children: dict[str, list[Joint]] = {}
+    children: dict[str, list[WrittenJoint]] = {}
     carried: set[str] = set()
     names: set[str] = set()
     for element in root.findall("joint"):
@@ -146,7 +146,7 @@ def _name(element: ET.Element) -> str:
     return name
 
 
-def _joint(element: ET.Element) -> Joint:
+def _joint(element: ET.Element) -> WrittenJoint:
     name, kind = _name(element), element.get("type", "")
     if kind != "fixed" and kind not in MOVING:
         raise Unreadable(f"joint '{name}' of the URDF is of type '{printable(kind)}', not read here")
@@ -157,10 +157,10 @@ def _joint(element: ET.Element) -> Joint:
     along = ("1", "0", "0") if axis is None else _decimals(axis.get("xyz"), 3)
     if kind != "fixed" and all(float(x) == 0.0 for x in along):
         raise Unreadable(f"joint '{name}' of the URDF has no axis")
-    return Joint(name, kind, parent, child, _pose(element), along, element.find("mimic") is not None)
+    return WrittenJoint(name, kind, parent, child, _pose(element), along, element.find("mimic") is not None)
 
 
-def _body(link: ET.Element) -> Body | None:
+def _body(link: ET.Element) -> WrittenBody | None:
     inertial = _only(link, "inertial")
     if inertial is None:
         return None
@@ -169,7 +169,7 @@ def _body(link: ET.Element) -> Body | None:
     if mass is None or tensor is None:
         raise Unreadable(f"link '{_name(link)}' of the URDF has an <inertial> without <mass> or <inertia>")
     (value,) = _decimals(mass.get("value"), 1)
-    return Body(value, tuple(_decimals(tensor.get(key), 1)[0] for key in keys), _pose(inertial))
+    return WrittenBody(value, tuple(_decimals(tensor.get(key), 1)[0] for key in keys), _pose(inertial))
 
 
 def _pose(element: ET.Element) -> Pose:
