@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from arm_urdf import LIMIT, inertial, joint, link, robot, write
-from paths import REPOSITORY
 from short_experiment import SHORT
 from test_layering import imports_of
 
@@ -355,10 +354,9 @@ def test_the_page_of_a_range_names_all_of_it(two_link: Arm, tmp_path: Path) -> N
 
 def test_the_words_of_hypotheses_need_nothing_heavy() -> None:
     # The independent checker uses them, and shares nothing else with the prover.
-    source = REPOSITORY / "asmc_pin" / "condition" / "hypotheses.py"
-    named = {name.partition(".")[0] for name in imports_of("asmc_pin.condition.hypotheses", source)}
+    named = {name.partition(".")[0] for name in imports_of("asmc_pin.condition.hypotheses")}
     assert named - {"asmc_pin"} <= sys.stdlib_module_names
-    named = imports_of("asmc_pin.condition.hypotheses", source)
+    named = imports_of("asmc_pin.condition.hypotheses")
     assert {name.rpartition(".")[0] for name in named if name.startswith("asmc_pin.")} <= {
         "asmc_pin.words.choices",
         "asmc_pin.words.text",
