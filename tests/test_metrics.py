@@ -114,6 +114,20 @@ def test_power_is_split_at_the_cutoff(high):
     assert share == pytest.approx(high**2 / (high**2 + 4.0), abs=1e-6)
 
 
+def test_of_what_lies_on_a_frequency_of_the_record_no_power_lies_two_lines_away():
+    # The window has the record's own period, so that a line of the spectrum is three lines wide and no more.
+    torque = 2.0 * np.sin(2 * np.pi * 10 * np.arange(1001) * L)
+    assert figure("torque_high_frequency_share", run(torque=torque), cutoff_hz=11.5) < 1e-25
+    assert figure("torque_high_frequency_share", run(torque=torque), cutoff_hz=10.5) == pytest.approx(1 / 6, rel=1e-9)
+
+
+def test_power_at_the_cutoff_itself_is_not_above_it():
+    # Of a line's power 1/6 is one line above it and 4/6 at it.
+    torque = 2.0 * np.sin(2 * np.pi * 10 * np.arange(1001) * L)
+    assert figure("torque_high_frequency_share", run(torque=torque), cutoff_hz=10.0) == pytest.approx(1 / 6, rel=1e-9)
+    assert figure("torque_high_frequency_share", run(torque=torque), cutoff_hz=9.99) == pytest.approx(5 / 6, rel=1e-9)
+
+
 def test_a_slow_ramp_has_hardly_any_power_above_the_cutoff():
     assert figure("torque_high_frequency_share", run(torque=np.linspace(-50, 50, 1001)), cutoff_hz=50.0) < 1e-6
 
@@ -125,6 +139,9 @@ def test_no_share_is_claimed_above_what_the_sampling_can_show():
 def test_sign_changes_are_counted_with_zero_as_positive():
     s = np.array([1.0, 0.0, -1.0, -0.0, 2.0, -3.0, -1.0, 4.0])  # + + - + + - - +: four changes
     assert figure("s_sign_changes", run(8, s=s)) == pytest.approx(4 / (7 * L))
+    # A zero between two positive values is no change, and between two negative ones it is two.
+    assert figure("s_sign_changes", run(3, s=np.array([1.0, 0.0, 1.0]))) == 0.0
+    assert figure("s_sign_changes", run(3, s=np.array([-1.0, 0.0, -1.0]))) == pytest.approx(2 / (2 * L))
 
 
 def test_a_law_without_s_has_no_sign_changes_rather_than_zero():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from plant_cases import OpenLoop, Still, slider
@@ -11,6 +13,7 @@ from asmc_pin.controllers import Ppc
 from asmc_pin.engine import rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.plant import Drive, Friction, Plant
+from asmc_pin.plant.drive.elastic_state import ElasticMechanics
 from asmc_pin.sampled import SampledLoop
 from asmc_pin.sampled.linear_map import closed_loop
 
@@ -153,6 +156,33 @@ def test_within_its_play_the_motor_turns_and_the_link_stands_still(arm):
     q = result.q[0, :, 0]
     assert np.all(q[result.time < crossing] == 0.0)
     assert np.all(q[result.time > crossing + 2e-3] > 0.0)
+
+
+def gear_torque(drive, bend, rate):
+    """What a gear carries at a bend and its rate, from the formula's own code."""
+    links = SimpleNamespace(free=SimpleNamespace(nv=1))
+    gears = ElasticMechanics(links, drive, SimpleNamespace(none=True))
+    return gears.gear_torque(np.array([[0.3, 0.3 + bend]]), np.array([[-0.2, -0.2 + rate]]))[0, 0]
+
+
+def test_a_gear_carries_its_stiffness_times_the_bend_and_its_damping_times_the_rate():
+    drive = Drive(gear=1.0, rotor_inertia=0.5, stiffness=2e3, damping=5.0)
+    assert gear_torque(drive, 0.01, 0.7) == pytest.approx(2e3 * 0.01 + 5.0 * 0.7, rel=1e-12)
+    # Without play it pulls as well as it pushes.
+    assert gear_torque(drive, 0.0, -0.7) == pytest.approx(-5.0 * 0.7, rel=1e-12)
+
+
+def test_through_its_play_a_gear_neither_pushes_nor_pulls():
+    drive = Drive(gear=1.0, rotor_inertia=0.5, stiffness=2e3, damping=5.0, backlash=0.02)
+    for bend in (-0.0099, 0.0, 0.0099):
+        for rate in (-50.0, 0.0, 50.0):
+            assert gear_torque(drive, bend, rate) == 0.0
+    # Beyond it by 1 mrad the spring pushes with 2 N·m; teeth that part fast leave without a pull.
+    assert gear_torque(drive, 0.011, 0.1) == pytest.approx(2.0 + 0.5, rel=1e-9)
+    assert gear_torque(drive, 0.011, -0.1) == pytest.approx(2.0 - 0.5, rel=1e-9)
+    assert gear_torque(drive, 0.011, -0.5) == 0.0
+    assert gear_torque(drive, -0.011, -0.1) == pytest.approx(-2.0 - 0.5, rel=1e-9)
+    assert gear_torque(drive, -0.011, 0.5) == 0.0
 
 
 def test_with_play_the_holding_start_rests_on_the_loaded_side(tmp_path):

@@ -103,6 +103,14 @@ def test_a_delayed_reading_is_the_angle_of_that_long_ago(arm, delay):
     np.testing.assert_allclose(result.v_measured[0, late, 0], 3.0 * then[late], rtol=1e-9, atol=1e-15)
 
 
+@pytest.mark.parametrize("delay", [0.3, 1.0, 2.75])
+def test_before_the_run_the_joint_moved_as_fast_as_at_its_start(arm, delay):
+    result, _ = run(arm, Sensor(delay=delay, velocity="exact"), torque=lambda t: 0.0, v0=0.7)
+    expected = 0.7 * (result.time - delay * L)
+    np.testing.assert_allclose(result.q_measured[0, :, 0], expected, rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(result.v_measured[0, :, 0], 0.7, rtol=1e-9)
+
+
 def test_noise_has_the_stated_size_and_is_white(arm):
     sensor = Sensor(position_noise=1e-3, velocity="exact", velocity_noise=0.02, torque_noise=0.3)
     result, _ = run(arm, sensor, duration=4.0, batch=4)

@@ -172,6 +172,27 @@ def test_scatter_has_its_size_and_nothing_else_changes():
     np.testing.assert_array_equal(arms[0].tree.mass[:5], [body.mass for body in list(arms[0].model.inertias)[1:6]])
 
 
+def test_a_link_of_twice_the_mass_and_the_same_form_has_twice_the_inertia():
+    arm = load_arm("ur5")
+    heavy = vary_links(arm, np.full(arm.nv, 2.0), np.zeros((arm.nv, 3)), np.ones((arm.nv, 3)))
+    q = np.random.default_rng(0).uniform(-2, 2, (4, arm.nv))
+    rotors = np.diag(np.broadcast_to(arm.armature, arm.nv))
+    np.testing.assert_allclose(heavy.mass_matrix(q) - rotors, 2.0 * (arm.mass_matrix(q) - rotors), rtol=1e-11, atol=1e-13)
+    for before, after in zip(list(arm.model.inertias)[1:], list(heavy.model.inertias)[1:], strict=True):
+        np.testing.assert_allclose(after.inertia, 2.0 * before.inertia, rtol=1e-12, atol=1e-15)
+
+
+def test_a_link_stretched_along_an_axis_is_as_long_there_as_asked():
+    arm = load_arm("ur5")
+    stretch = np.array([1.0, 3.0, 1.0])
+    longer = vary_links(arm, np.ones(arm.nv), np.zeros((arm.nv, 3)), np.tile(stretch, (arm.nv, 1)))
+    for before, after in zip(list(arm.model.inertias)[1:], list(longer.model.inertias)[1:], strict=True):
+        np.testing.assert_allclose(after.lever, stretch * before.lever, rtol=1e-12, atol=1e-15)
+        # Second moments ∫ r_i r_j dm about the centre grow with both their axes.
+        moments = [0.5 * np.trace(each.inertia) * np.eye(3) - each.inertia for each in (before, after)]
+        np.testing.assert_allclose(moments[1], np.outer(stretch, stretch) * moments[0], rtol=1e-9, atol=1e-12)
+
+
 def test_without_scatter_a_varied_arm_is_the_arm():
     arm = load_arm("kinova", payload=1.0)
     same = vary_links(arm, np.ones(arm.nv), np.zeros((arm.nv, 3)), np.ones((arm.nv, 3)))
