@@ -5,9 +5,12 @@ BIN := $(VENV)/bin
 PYTEST_ARGS ?= -n 2 --dist loadgroup
 FUZZ_COUNT ?= 10000
 FUZZ_SEED ?= 0
+MUTANT_COUNT ?= 500
+MUTANT_SEED ?= 0
+ORDER_SEED ?= 0
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: demo test test-all fuzz lint typecheck soundness bench docs clean
+.PHONY: demo test test-all test-shuffled fuzz mutants lint typecheck soundness bench docs clean
 
 demo: $(VENV)/.runtime  ## verify, compare and report on a UR5; results/demo/report.html
 	$(BIN)/asmc-pin demo
@@ -21,6 +24,12 @@ test-all: test  ## these, and then the long ones; some half an hour more
 
 fuzz: $(VENV)/.dev  ## FUZZ_COUNT hostile files of each kind through the command line; some hours
 	PYTHONPATH=tests:tests/support $(BIN)/python -m fuzz --count $(FUZZ_COUNT) --seed $(FUZZ_SEED)
+
+mutants: $(VENV)/.mutants  ## small faults in the package, of which each must fail a test; half an hour
+	PYTHONPATH=tests:tests/support $(BIN)/python -m mutants --count $(MUTANT_COUNT) --seed $(MUTANT_SEED)
+
+test-shuffled: $(VENV)/.mutants  ## as `test`, in an order drawn by ORDER_SEED
+	$(BIN)/python -m pytest --random-order --random-order-seed=$(ORDER_SEED) $(PYTEST_ARGS)
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff format --check .
@@ -50,6 +59,10 @@ $(VENV)/.runtime: $(BIN)/python pyproject.toml constraints.txt
 
 $(VENV)/.dev: $(VENV)/.runtime
 	$(PIP_INSTALL) --editable '.[dev]'
+	@touch $@
+
+$(VENV)/.mutants: $(VENV)/.dev
+	$(PIP_INSTALL) --editable '.[dev,mutants]'
 	@touch $@
 
 clean:

@@ -2,8 +2,8 @@
 
 import os
 
-# Before anything is imported: plain Python for compiled code, and no pool of threads that a fork would lose.
-os.environ |= {"NUMBA_DISABLE_JIT": "1", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
+# Before anything is imported: forks would lose a pool of threads, and share the machine.
+os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
 
 from mutants.campaign import main
 

@@ -92,8 +92,10 @@ def _made(root: Path, module: str, operator: str, occurrence: int) -> Mutant | N
     path = root / module
     text = path.read_text(encoding="utf-8")
     source = mutate_code(text, operators()[operator], occurrence)
-    if source is None:
-        return None
+    return None if source is None else _compared(path, module, operator, text, source)
+
+
+def _compared(path: Path, module: str, operator: str, text: str, source: str) -> Mutant | None:
     try:
         old, new = compile(text, str(path), "exec"), compile(source, str(path), "exec")
     except SyntaxError:
@@ -135,3 +137,24 @@ def draw(root: Path, modules: list[str], count: int, seed: int) -> tuple[list[Mu
         if mutant is not None:
             drawn.setdefault(mutant.name, mutant)
     return sorted(drawn.values(), key=lambda m: (m.module, m.line, m.becomes)), len(lots)
+
+
+def by_hand(root: Path, faults: list[dict[str, str]]) -> list[Mutant]:
+    """The mutants of `by_hand.toml`.
+
+    Raises:
+        ValueError: The line that one changes is not there, or more than once.
+    """
+    made = []
+    for fault in faults:
+        path = root / fault["module"]
+        text = path.read_text(encoding="utf-8")
+        at = [k for k, line in enumerate(text.split("\n")) if line.strip() == fault["was"]]
+        if len(at) != 1:
+            raise ValueError(f"by_hand.toml, '{fault['what']}': its line stands {len(at)} times in {fault['module']}")
+        lines = text.split("\n")
+        lines[at[0]] = lines[at[0]].replace(fault["was"], fault["becomes"])
+        mutant = _compared(path, fault["module"], "by hand", text, "\n".join(lines))
+        assert mutant is not None
+        made.append(mutant)
+    return made

@@ -26,7 +26,7 @@ from _pytest.runner import runtestprotocol
 
 from mutants.draw import Mutant, changed_function
 
-LONGEST = 6.0
+LONGEST = 3.0
 """Seconds of processor time that a test may take and still judge mutants."""
 
 ENOUGH = 30.0
@@ -68,6 +68,12 @@ class Judge:
         session.config._tmp_path_factory.getbasetemp()  # one for all forks
         self.work(self)
         return True
+
+    def warm(self, names: list[str]) -> None:
+        """Run some tests here, so that forks find compiled code loaded."""
+        for name in names:
+            if not self._passes(name):
+                raise RuntimeError(f"{name} fails without any fault")
 
     def cover(self, names: list[str], modules: list[str], workers: int) -> Covered:
         """Time each test, and see what it calls; those that fail, or take too long, are left out."""

@@ -77,7 +77,7 @@ class DropFactor(_Ours):
 
 
 class DropStatement(_Ours):
-    """A write to a place, or a call for its effect, left out; other assignments are noticed by whoever reads the name."""
+    """A write to a place, or a call for its effect, left out; other names would be missed by whoever reads them."""
 
     def _texts(self, node: Any) -> Iterator[str]:
         if node.type == "expr_stmt":
