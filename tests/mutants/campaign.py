@@ -115,7 +115,7 @@ def compiled(mutant: Mutant) -> bool:
     So is what is compiled, and what is not the code of a function, as compiled code keeps constants that it has seen.
     All else is judged with compilation on, where whole runs of the plant are quick.
     """
-    return mutant.function is None or "njit" in mutant.source
+    return mutant.function is None or "njit" in mutant.source or "@compiled" in mutant.source
 
 
 def _file(seed: int, compilation: str) -> Path:

@@ -8,8 +8,8 @@ from plant_cases import OpenLoop, Still, Waving, slider
 
 from asmc_pin.arms import arm_names, load_arm
 from asmc_pin.engine import rollout
-from asmc_pin.plant import Disturbance, Drive, EndStops, Friction, PayloadChange, Plant
-from asmc_pin.plant.energy import energy_balance, mechanical_energy
+from asmc_pin.plant import Disturbance, Drive, EndStops, Friction, PayloadChange, Plant, Spread
+from asmc_pin.plant.energy import energy_balance, mechanical_energy, stored_energy
 
 L = 1e-3
 # Of the energy that has changed hands. semi_implicit is of first order, the others lose it in the means over a period.
@@ -63,6 +63,17 @@ def test_the_kinetic_energy_is_that_of_the_mass_matrix_armature_included():
     q, v = np.random.default_rng(1).normal(0.0, 1.0, (2, 4, 6))
     kinetic = mechanical_energy(arm, q, v) - mechanical_energy(arm, q, 0.0 * v)
     np.testing.assert_allclose(kinetic, 0.5 * np.einsum("bi,bij,bj->b", v, arm.mass_matrix(q), v), rtol=1e-12)
+
+
+def test_what_a_run_stores_is_the_energy_of_each_trials_own_arm(tmp_path):
+    arm = slider(tmp_path, 2.0)
+    plant = Plant(arm, friction=Friction(), spread=Spread(mass=0.3), start="relaxed")
+    run = rollout(plant, OpenLoop(lambda t: 0.0, L), Still(np.zeros(1)), 0.05, v0=[0.7], batch=2)
+    own = [each.mass_matrix(np.zeros(1))[0, 0] for each in plant.for_trials(range(2)).arms]
+    assert own[0] != own[1]
+    expected = 0.5 * np.array(own)[:, None] * run.v[:, :, 0] ** 2
+    np.testing.assert_allclose(stored_energy(plant, run), expected, rtol=1e-12)
+    np.testing.assert_allclose(stored_energy(plant, run, (1, 0)), expected * [[own[1] / own[0]], [own[0] / own[1]]])
 
 
 def test_a_wrong_account_of_friction_would_be_seen():

@@ -177,7 +177,9 @@ def test_a_link_of_twice_the_mass_and_the_same_form_has_twice_the_inertia():
     heavy = vary_links(arm, np.full(arm.nv, 2.0), np.zeros((arm.nv, 3)), np.ones((arm.nv, 3)))
     q = np.random.default_rng(0).uniform(-2, 2, (4, arm.nv))
     rotors = np.diag(np.broadcast_to(arm.armature, arm.nv))
-    np.testing.assert_allclose(heavy.mass_matrix(q) - rotors, 2.0 * (arm.mass_matrix(q) - rotors), rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(
+        heavy.mass_matrix(q) - rotors, 2.0 * (arm.mass_matrix(q) - rotors), rtol=1e-11, atol=1e-13
+    )
     for before, after in zip(list(arm.model.inertias)[1:], list(heavy.model.inertias)[1:], strict=True):
         np.testing.assert_allclose(after.inertia, 2.0 * before.inertia, rtol=1e-12, atol=1e-15)
 

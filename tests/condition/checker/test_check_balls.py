@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from arm_urdf import inertial, joint, link, robot, write
 from check_cases import KINDS, arm, case, condition_of, header, hexed, parsed_case, parsed_statement, statement, told
 from flint import arb, arb_mat, ctx
 
@@ -14,6 +16,7 @@ from asmc_pin._typing import Array
 from asmc_pin.arms import arm_names
 from asmc_pin.condition import lemma1_norm, weighted_norm
 from asmc_pin.condition.checker import spot_checks
+from asmc_pin.condition.checker.balls.ball_geometry import normalised
 from asmc_pin.condition.checker.balls.balls import (
     BallArm,
     Verdict,
@@ -82,6 +85,41 @@ def test_locked_joints_and_slides_are_where_the_loader_has_them(tmp_path: Any) -
             M = loaded.mass_matrix(q) - np.diag(loaded.armature)
             ours = np.array([[float(B[i, j].mid()) for j in range(loaded.nv)] for i in range(loaded.nv)])
             assert ours == pytest.approx(M, rel=0.0, abs=1e-13 * np.abs(M).max())
+
+
+def test_an_axis_of_any_length_is_the_direction_that_it_points_in() -> None:
+    for axis, unit in (
+        (("1", "2", "2"), (1, 2, 2)),
+        (("0", "0", "-30"), (0, 0, -3)),
+        (("6e-3", "0", "8e-3"), (1.8, 0, 2.4)),
+    ):
+        found = normalised(axis)
+        assert all(abs(3 * found[k, 0] - arb(unit[k])) < 1e-14 for k in range(3))
+
+
+def test_of_a_tree_with_welded_links_and_branches_both_arithmetics_have_the_loaders_matrix(tmp_path: Path) -> None:
+    tree = robot(
+        link("base"),
+        *(
+            link(name, inertial(mass, rpy="0.1 0.2 0.3"))
+            for name, mass in zip("abcde", (3.0, 0.5, 2.0, 1.0, 0.7), strict=True)
+        ),
+        joint("j0", "base", "a", axis="0 0 2"),
+        # A weld that comes first among a link's joints, and one with a moving joint behind it.
+        joint("w0", "a", "b", "fixed", xyz="0 0.2 0", rpy="0.3 0 1"),
+        joint("j1", "a", "c", axis="1 2 2", rpy="0 0.4 0.1"),
+        joint("w1", "c", "d", "fixed", xyz="0.1 0 0.1", rpy="0 1 0"),
+        joint("j2", "d", "e", "prismatic", axis="0 -3 4"),
+    )
+    loaded = load_arm(write(tmp_path, tree))
+    assert loaded.nv == 3
+    read = description(loaded.urdf_text)
+    q, free = np.array([0.4, -0.8, 0.3]), np.broadcast_to(loaded.armature, 3)
+    M = loaded.mass_matrix(q)
+    B = BallArm(read, loaded.joint_names, loaded.locked, None).mass_matrix([arb(x) for x in q], [arb(a) for a in free])
+    ours = np.array([[float(B[i, j].mid()) for j in range(3)] for i in range(3)])
+    assert ours == pytest.approx(M, rel=0.0, abs=1e-12)
+    assert chain_of(read, loaded.joint_names, loaded.locked, None).mass_matrix(q, free) == pytest.approx(M, abs=1e-12)
 
 
 @pytest.mark.parametrize("prismatic", [False, True])

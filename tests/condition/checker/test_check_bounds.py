@@ -419,6 +419,22 @@ def test_the_ends_have_the_rounding_of_all_that_took_part_taken_off(monkeypatch:
         assert np.all(np.diag(K) > 0.0)
 
 
+def test_the_loss_is_among_what_has_its_rounding_taken_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    for slides, C in ((False, _only(1)), (True, _only(2, -np.eye(2), 3))):
+        r = 0.7
+        ends, K = _loss(C, r, slides, monkeypatch, size=0.0)
+        for end, at in zip(ends, (-r, r), strict=True):
+            taken = np.diag(_polynomial(C, at, slides) - K - end)
+            assert np.all(taken >= TOLERANCE * np.abs(K).sum(axis=1) * (1.0 - 1e-2))
+            assert np.all(np.abs(K).sum(axis=1) > 0.1)
+
+
+def test_a_matrix_with_a_zero_on_its_diagonal_is_not_positive() -> None:
+    for diagonal in ((1.0, 0.0), (0.0, 0.0), (0.0, -1.0), (1.0, -1e-300)):
+        assert not bounds._surely(np.diag(diagonal)[None], np.zeros((1, 2)))[0]
+    assert bounds._surely(np.diag((1.0, 1e-300))[None], np.zeros((1, 2)))[0]
+
+
 def test_the_wide_bound_begins_where_the_narrow_one_may_not_be_used_any_more() -> None:
     # Beyond a right angle sin δ / sin r is no share of one.
     assert 1.0 < bounds.WIDE < 0.5 * np.pi

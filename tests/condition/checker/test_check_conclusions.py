@@ -10,6 +10,7 @@ import pytest
 from check_cases import arm, case, condition_of, header, hexed, statement, told
 from condition_cases import chain_urdf
 
+from asmc_pin.condition import lemma1_norm, weighted_norm
 from asmc_pin.condition.checker.balls.witness import witness
 from asmc_pin.condition.checker.conclusions import Conclusion, Witness, conclude, disagreements
 from asmc_pin.condition.checker.reading.certificate_schema import Contents
@@ -341,6 +342,16 @@ def test_a_configuration_is_a_witness_of_the_norm_that_it_has() -> None:
         assert _witness(condition, level=min(1.0, norm * (1.0 - 1e-9))).at_level or norm > 1.0
         if norm < 1.0:
             assert not _witness(condition, level=norm * (1.0 + 1e-9)).at_level
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 30.0, 1e3])
+@pytest.mark.parametrize("condition", ["weighted", "lemma1"])
+def test_a_witness_shows_the_whole_norm_whether_mbar_is_too_small_or_too_large(condition: str, size: float) -> None:
+    chain, _ = arm(0, 2)
+    mbar = np.array([1.0, 0.4]) * size
+    M = chain.mass_matrix(np.array([0.3, 0.2]), np.zeros(2))
+    norm = float((weighted_norm if condition == "weighted" else lemma1_norm)(M, mbar))
+    assert _witness(condition, mbar=hexed(mbar)).lower == pytest.approx(norm, rel=1e-9)
 
 
 def test_a_counter_example_is_one_at_its_scale_and_not_below() -> None:
