@@ -1,4 +1,4 @@
-"""The lists of `make mutants` are about the code as it is; the campaign itself takes half an hour and runs on its own."""
+"""The lists of `make mutants` are about the code as it is; the campaign takes half an hour and runs on its own."""
 
 from __future__ import annotations
 

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.certificate.compiled import cell_loss, first_joints, joint_steps
-from asmc_pin.numerics.cholesky import surely_positive
+from asmc_pin.condition.certificate.compiled import cell_loss, first_joints, joint_steps, loss_metric
+from asmc_pin.condition.certificate.compiled.loss_metric import metric_of
+from asmc_pin.condition.certificate.compiled.working_state import Problem, scratch
+from asmc_pin.numerics.cholesky import invert_lower, lifted_cholesky, surely_positive
 from asmc_pin.numerics.eigen import eigen
 
 SIZES = (6, 12)
@@ -133,6 +135,83 @@ def test_shifting_a_form_to_the_parent_rounds_down() -> None:
             assert np.abs(exact - out).max() < 1e-11 * size.max()
             scale = 1.0 / np.sqrt(size)
             assert np.linalg.eigvalsh((exact - out) * scale[:, None] * scale)[0] > 0.0
+
+
+@pytest.mark.parametrize("m", SIZES)
+def test_magnitudes_cover_what_a_turn_or_a_slide_makes_of_them_and_hardly_more(m: int) -> None:
+    rng = np.random.default_rng(7)
+    for _ in range(30):
+        F = random_form(rng, m)
+        for slides, q in ((False, rng.uniform(-3.0, 3.0)), (True, rng.uniform(0.0, 2.0))):
+            size = np.abs(F).sum(axis=1)
+            before = size.copy()
+            joint_steps.spread(size, slides, q)
+            if slides:
+                # One row takes q of another, and each entry meets both sides of the congruence.
+                X = np.eye(6)
+                X[3, 1] = X[4, 0] = q
+                X = np.kron(np.eye(m // 6), X)
+                assert size == pytest.approx((1.0 + q) * (X.T @ before), rel=1e-12)
+                made = X.T @ np.abs(F) @ X
+            else:
+                c, s = abs(np.cos(q)), abs(np.sin(q))
+                Z = np.kron(np.eye(m // 3), np.array([[c, s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]))
+                made = Z @ np.abs(F) @ Z.T
+                pairs = np.kron(np.eye(m // 3), np.array([[2.0, 2.0, 0.0], [2.0, 2.0, 0.0], [0.0, 0.0, 2.0]]))
+                assert size == pytest.approx(pairs @ before, rel=1e-12)
+            assert np.all(size >= made.sum(axis=1) * (1.0 - 1e-12))
+
+
+@pytest.mark.parametrize("n", [1, 2, 6])
+def test_the_inverse_of_a_triangle_is_its_inverse(n: int) -> None:
+    rng = np.random.default_rng(n)
+    for _ in range(10):
+        L = np.tril(rng.normal(size=(n, n)), -1) + np.diag(rng.uniform(0.5, 2.0, n))
+        out = np.full((n, n), np.nan)
+        invert_lower(L, out)
+        assert out @ L == pytest.approx(np.eye(n), abs=1e-12 * np.abs(out).max() * np.abs(L).max() * n)
+        assert np.all(np.triu(out, 1) == 0.0)
+
+
+@pytest.mark.parametrize("m", SIZES)
+def test_the_metric_of_losses_is_what_joints_can_do_and_a_share_of_the_rigid(m: int) -> None:
+    """Its inverse is Ω / tr(Ω R) + spread · R⁻¹, R the composite inertia, of two twists weighed to the same reach."""
+    rng = np.random.default_rng(8)
+    for _ in range(10):
+
+        def gentle(n: int, rng: np.random.Generator = rng) -> Array:
+            # Far from singular, so that no pivot is lifted.
+            A = 0.2 * rng.normal(size=(n, n))
+            return np.asarray(np.eye(n) + 0.1 * A @ A.T) * 10.0 ** rng.uniform(-1.0, 1.0)
+
+        C, Om, share = gentle(6), gentle(m), rng.uniform(0.2, 2.0)
+        if m == 12:
+            Om[6:] *= 7.0
+            Om[:, 6:] *= 7.0
+        k = scratch(2, m, 1)
+        k.composite[1] = C
+        none = np.zeros((2, m, m))
+        problem = Problem(
+            *(np.zeros(2, dtype=np.int64), np.zeros(2, dtype=np.bool_), np.zeros((2, 6, 6)), np.zeros((2, 6, 6)), none),
+            *(np.zeros((2, m // 6, 1)), np.zeros((2, 1, 1)), np.zeros(2), np.zeros(2), False, share),
+        )
+        metric_of(problem, k, 1, Om)
+        R = C
+        if m == 12:
+            weight = np.sqrt(np.sum(Om[6:, 6:] * C) / np.sum(Om[:6, :6] * C))
+            R = np.block([[weight * C, np.zeros((6, 6))], [np.zeros((6, 6)), C / weight]])
+        expected = np.linalg.inv(Om / np.sum(Om * R) + share * np.linalg.inv(R))
+        assert k.metric[1] == pytest.approx(expected, rel=1e-9, abs=1e-11 * np.abs(expected).max())
+        assert k.basis[1] @ k.basis[1].T == pytest.approx(k.metric[1], rel=1e-9, abs=1e-11 * np.abs(expected).max())
+        assert k.inverse[1] @ k.basis[1] == pytest.approx(np.eye(m), abs=1e-10)
+
+
+def test_no_metric_of_losses_is_singular_even_of_a_point_mass() -> None:
+    assert 0.0 < loss_metric.LIFT < 0.1
+    basis = np.array([[1.0, 1.0], [1.0, 1.0 + 1e-9]])
+    L = np.empty((2, 2))
+    lifted_cholesky(basis, loss_metric.LIFT, L)
+    assert L[1, 1] ** 2 == pytest.approx(loss_metric.LIFT * basis[1, 1], rel=1e-6)
 
 
 def exactly_positive(S: Array) -> bool:

@@ -102,7 +102,7 @@ def test_of_a_tree_with_welded_links_and_branches_both_arithmetics_have_the_load
         link("base"),
         *(
             link(name, inertial(mass, rpy="0.1 0.2 0.3"))
-            for name, mass in zip("abcde", (3.0, 0.5, 2.0, 1.0, 0.7), strict=True)
+            for name, mass in zip("abcdef", (3.0, 0.5, 2.0, 1.0, 0.7, 0.9), strict=True)
         ),
         joint("j0", "base", "a", axis="0 0 2"),
         # A weld that comes first among a link's joints, and one with a moving joint behind it.
@@ -110,14 +110,15 @@ def test_of_a_tree_with_welded_links_and_branches_both_arithmetics_have_the_load
         joint("j1", "a", "c", axis="1 2 2", rpy="0 0.4 0.1"),
         joint("w1", "c", "d", "fixed", xyz="0.1 0 0.1", rpy="0 1 0"),
         joint("j2", "d", "e", "prismatic", axis="0 -3 4"),
+        joint("j3", "a", "f", axis="0 5 0", xyz="0 0 0.4"),
     )
     loaded = load_arm(write(tmp_path, tree))
-    assert loaded.nv == 3
+    assert loaded.nv == 4
     read = description(loaded.urdf_text)
-    q, free = np.array([0.4, -0.8, 0.3]), np.broadcast_to(loaded.armature, 3)
+    q, free = np.array([0.4, -0.8, 0.3, 1.2]), np.broadcast_to(loaded.armature, 4)
     M = loaded.mass_matrix(q)
     B = BallArm(read, loaded.joint_names, loaded.locked, None).mass_matrix([arb(x) for x in q], [arb(a) for a in free])
-    ours = np.array([[float(B[i, j].mid()) for j in range(3)] for i in range(3)])
+    ours = np.array([[float(B[i, j].mid()) for j in range(4)] for i in range(4)])
     assert ours == pytest.approx(M, rel=0.0, abs=1e-12)
     assert chain_of(read, loaded.joint_names, loaded.locked, None).mass_matrix(q, free) == pytest.approx(M, abs=1e-12)
 
