@@ -498,6 +498,17 @@ def test_a_polynomial_that_dips_below_zero_between_two_points_of_the_grid_does_n
         assert _followed(C, lower, upper, monkeypatch)
 
 
+@pytest.mark.parametrize("index", [1, 255, 256, 257, 511, 513, 2049, 4095])
+def test_no_point_of_a_fine_grid_is_left_out(index: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    # So shallow a dip shows at this point alone, and no coarser grid decides.
+    h = 3.0 / 4096
+    C = np.zeros((5, 1, 1))
+    lowest = 0.2 + index * h
+    C[1], C[2] = -np.cos(lowest), -np.sin(lowest)
+    C[0] = 1.0 - 0.1 * h**2
+    assert not _followed(C, 0.2, 3.2, monkeypatch)
+
+
 def test_a_dip_at_either_end_of_the_range_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     # Zero at ±1 to first order, and positive between.
     C = np.zeros((5, 1, 1))
