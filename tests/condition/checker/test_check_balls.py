@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -476,6 +477,37 @@ def test_the_cells_that_are_looked_at_are_the_hardest_and_some_drawn(monkeypatch
     numbers = replay.chosen()[0][:, 0].astype(int)
     assert set(np.argsort(least)[:4]) <= set(numbers)
     assert 5 <= len(numbers) <= 8
+
+
+@pytest.mark.parametrize(("many", "least"), [(1, 64), (4, 16), (40, 4)])
+def test_each_statement_has_its_share_of_points_and_progress_ends_at_all(
+    many: int, least: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chain, balls = arm(0, 2)
+    made = told(2, mbar=hexed([1e-6, 1e-6]), statements=[statement(2)] * many)
+    asked: list[int] = []
+
+    def watched(*arguments: Any) -> spot_checks.Spots:
+        asked.append(arguments[-1])
+        return spot_checks.Spots()
+
+    monkeypatch.setattr(statements, "spot_checks", watched)
+    shares: list[float] = []
+    result, problem = statements.replay_statement(
+        made, made.statements[0], np.array([1, 255, 255], dtype=np.uint8), chain, balls, "", 0, shares.append
+    )
+    assert (problem, result.proven, result.boxes, result.halved) == ("", True, 2, 0)
+    assert asked == [least]
+    assert shares[-1] == 1.0
+    assert all(0.0 < share <= 1.0 for share in shares)
+
+
+def test_joints_on_the_base_ask_for_no_room() -> None:
+    # Forty of them have one corner, not a million million.
+    idle = SimpleNamespace(parent=np.full(40, -1), slides=np.zeros(40, dtype=bool))
+    form = SimpleNamespace(chain=idle, exact=False, pairing=np.ones((1, 1)))
+    batches = list(statements._Replay(form, 3, 2, 0, lambda share: None)._batches(np.zeros((3, 40))))  # type: ignore[arg-type]
+    assert [batch.tolist() for batch in batches] == [[0, 1, 2]]
 
 
 def _spots(kind: str, share: float = 1.0, largest: float = 0.0) -> spot_checks.Spots:

@@ -12,7 +12,7 @@ from condition_cases import chain_urdf
 
 from asmc_pin.condition import lemma1_norm, weighted_norm
 from asmc_pin.condition.checker.balls.witness import witness
-from asmc_pin.condition.checker.conclusions import Conclusion, Witness, conclude, disagreements
+from asmc_pin.condition.checker.conclusions import Conclusion, Witness, armature_words, conclude, disagreements
 from asmc_pin.condition.checker.reading.certificate_schema import Contents
 from asmc_pin.condition.checker.reading.header_parts import Malformed
 from asmc_pin.condition.checker.reading.subject import Subject, subject
@@ -301,6 +301,45 @@ def test_the_norm_is_compared_as_closely_as_it_is_written() -> None:
     small = Conclusion("violated", 1e-3, None, 0.0, 0.5)
     assert _said(small, lower=1e-3 + 0.9e-6) == []
     assert _said(small, lower=1e-3 + 1.1e-6) != []
+
+
+# Which armature a statement is about ---------------------------------------------------------------------------------
+
+RANGE = {"armature_lower": [0.1, 0.1], "armature_upper": [0.2, 0.3]}
+
+
+def _words(kind: str, **changes: Any) -> str:
+    made = told(2, condition=condition_of(kind), cases=[case(2, **RANGE)], statements=[statement(2, kind, **changes)])
+    return armature_words(made, made.statements[0])
+
+
+@pytest.mark.parametrize("kind", ["weighted", "lemma1"])
+def test_what_gains_by_armature_is_stated_at_the_lower_end(kind: str) -> None:
+    assert _words(kind, armature=[0.1, 0.1]) == ""
+    assert _words(kind, armature=[0.1, 0.1], scale=1.3) == ""
+    for armature in ([0.2, 0.1], [0.2, 0.3], [0.15, 0.1], [0.0, 0.1]):
+        with pytest.raises(Malformed, match="another armature"):
+            _words(kind, armature=armature)
+
+
+@pytest.mark.parametrize("kind", ["bounded", "level"])
+def test_what_loses_by_armature_is_stated_with_its_slack(kind: str) -> None:
+    assert _words(kind, armature=[0.1, 0.1], slack=[0.1, 0.2]) == ""
+    assert _words(kind, armature=[0.1, 0.1], slack=[0.2, 0.3]) == ""
+    for armature, slack in (([0.1, 0.1], [0.1, 0.1]), ([0.15, 0.1], [0.1, 0.2]), ([0.2, 0.1], [0.1, 0.2])):
+        with pytest.raises(Malformed, match="another armature"):
+            _words(kind, armature=armature, slack=slack)
+    with pytest.raises(Malformed, match="not about M̄ itself"):
+        _words(kind, armature=[0.1, 0.1], slack=[0.1, 0.2], scale=1.1)
+
+
+def test_only_a_level_may_be_stated_at_one_corner_of_the_range() -> None:
+    for corner in ([0.1, 0.1], [0.2, 0.1], [0.1, 0.3], [0.2, 0.3]):
+        assert _words("level", armature=corner) == f"armature {corner[0]!r}, {corner[1]!r} kg·m²"
+        with pytest.raises(Malformed, match="another armature"):
+            _words("bounded", armature=corner)
+    with pytest.raises(Malformed, match="another armature"):
+        _words("level", armature=[0.15, 0.1])
 
 
 # Configurations -----------------------------------------------------------------------------------------------------
