@@ -184,3 +184,7 @@ def test_every_metric_is_defined_in_the_docs_with_unit_and_source(metric):
     row = next(line for line in text.splitlines() if line.startswith(f"| `{metric.name}` |"))
     assert f"| {for_cell(metric.formula)} | {for_cell(metric.source)} |" in row
     assert f"| {metric.unit} |" in row
+
+
+def test_what_is_high_begins_at_50_hz_where_nobody_says_otherwise():
+    assert MetricSettings().cutoff_hz == 50.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from types import SimpleNamespace
 
 import numpy as np
@@ -233,3 +234,8 @@ def test_a_drive_that_does_not_fit_the_arm_or_the_step_is_refused():
     soft = Plant(arm, drive=Drive(rotor_inertia=1e-3, stiffness=1e6))
     with pytest.raises(ParameterError, match=r"at least \d+ substeps"):
         soft.begin(np.zeros((1, 2)), np.zeros((1, 2)), 1e-3)
+
+
+def test_nobody_changes_a_drive_under_a_plant():
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        Drive(gear=2.0).gear = 3.0

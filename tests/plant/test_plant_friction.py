@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from asmc_pin.arms import load_arm
 from asmc_pin.errors import ParameterError
 from asmc_pin.plant import Friction
-from asmc_pin.plant.friction.compiled_friction import slide_or_stick
+from asmc_pin.plant.friction.compiled_friction import _go, _load, slide_or_stick
 
 STEP = 5e-4
 
@@ -102,6 +102,27 @@ def test_the_walk_ends_on_the_face_that_enumeration_finds():
         next_v, _ = solve(mass[None], v[None], a[None], c[None], c[None], np.zeros((1, n)), step)
         np.testing.assert_allclose(next_v[0], best, rtol=1e-9, atol=1e-12)
         np.testing.assert_array_equal(next_v[0] == 0.0, best == 0.0)
+
+
+def test_on_the_way_to_a_faces_minimum_the_first_joint_that_would_turn_round_stops_all():
+    face, none = np.array([0, 1]), np.zeros(2)
+    for start, target, share in ((1.0, -1.0, 0.5), (2.0, -0.5, 0.8), (0.0, 0.0, 0.0), (0.0, -1.0, 0.0)):
+        sign, present = np.array([1, 0]), np.array([start, 1.0])
+        assert _go(face, 2, np.array([target, 3.0]), none, sign, present) == 0
+        assert sign.tolist() == [0, 0]
+        np.testing.assert_allclose(present, [0.0, 1.0 + 2.0 * share], rtol=1e-12)
+    # None turns round: all reach it.
+    sign, present = np.array([1, -1]), np.array([1.0, -1.0])
+    assert _go(face, 2, np.array([0.5, -3.0]), none, sign, present) == -1
+    np.testing.assert_allclose(present, [0.5, -3.0])
+    assert _go(face, 2, np.array([np.nan, 1.0]), none, sign, present) == -2
+
+
+def test_what_balances_a_sticking_joint_is_known_with_the_magnitudes_of_its_terms():
+    matrix, drag = np.array([[2.0, -1.0], [-1.0, 3.0]]), np.array([0.5, 0.25])
+    load, magnitude = _load(0, matrix, drag, np.array([0.1, 0.4]))
+    assert load == pytest.approx(-0.5 - 0.2 + 0.4)
+    assert magnitude == pytest.approx(0.5 + 0.2 + 0.4)
 
 
 @pytest.mark.parametrize("step", [1e-6, 1e-4, 1e-2, 1.0])

@@ -11,6 +11,7 @@ from check_cases import arm, case, condition_of, header, hexed, statement, told
 from condition_cases import chain_urdf
 
 from asmc_pin.condition import lemma1_norm, weighted_norm
+from asmc_pin.condition.checker import outcome
 from asmc_pin.condition.checker.balls.witness import witness
 from asmc_pin.condition.checker.conclusions import Conclusion, Witness, armature_words, conclude, disagreements
 from asmc_pin.condition.checker.reading.certificate_schema import Contents
@@ -536,3 +537,17 @@ def test_names_and_hashes_of_the_header_are_not_what_is_said() -> None:
     assert "ur5" not in "\n".join(about.lines())
     assert "forged" not in "\n".join(about.lines())
     assert header(2)["arm"] == ""
+
+
+# What is shown ------------------------------------------------------------------------------------------------------
+
+
+def test_no_scale_of_0_is_said_to_be_proven() -> None:
+    nothing = outcome._shown(Conclusion("undecided", 0.5, None, 0.0, None))
+    assert nothing == "the norm is at least 0.5 at the worst configuration known"
+    much = outcome._shown(Conclusion("holds", 0.25, 0.75, 1.25, 1.5))
+    assert much == (
+        "the condition is proven for M̄ × 1.25, broken for M̄ × 1.5, the norm is at least 0.25 at the worst "
+        "configuration known, and proven to be below 0.75"
+    )
+    assert "broken for every multiple of M̄" in outcome._shown(Conclusion("violated", 2.0, None, 0.0, 0.0))
