@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,9 @@ from asmc_pin.controllers import Baek2016
 from asmc_pin.engine import Rollout, rollout
 from asmc_pin.monitors import CAUSES, STATEMENTS, STATUSES, Monitors, claim_rows, monitor, monitor_dataset
 from asmc_pin.monitors.claim_texts import judge, percent
+from asmc_pin.monitors.claim_verdicts import _lemma2, contraction
 from asmc_pin.monitors.lyapunov_monitor import lyapunov_of
+from asmc_pin.monitors.tde_monitor import Contraction
 from asmc_pin.plant import Disturbance, Drive, Friction, Plant, Sensor
 
 Q0 = np.array([-1.2, 0.4])
@@ -200,6 +203,8 @@ def test_s_that_stays_out_for_longer_than_v_allows_breaks_the_finite_time(arm: A
     assert claim.status == "broken"
     assert claim.reason.startswith("saturation")
     assert claim.amount == pytest.approx(claim.worst_time - claim.first_time)
+    # One claim that is broken once has one cause.
+    assert claim.causes == {"saturation": 1}
 
 
 @pytest.mark.parametrize("excess", [[-1.0, 0.0, -2.0], [np.nan, -1.0, -1.0]])
@@ -233,6 +238,37 @@ def test_error_that_grows_by_itself_is_not_put_down_to_sampling(arm: Arm) -> Non
     assert claim.causes == {}
     assert claim.short.startswith("broken at ")
     assert f"the old error grows by itself in {grown} ticks" in claim.reason
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [(0.0, "0 %"), (1e-4, "0.01 %"), (0.034, "3.4 %"), (0.5, "50 %"), (0.9999, "99.9 %"), (1.0, "100 %")],
+)
+def test_a_share_is_never_0_or_100_percent_unless_it_is(share: float, text: str) -> None:
+    assert percent(share) == text
+
+
+def test_growth_of_n_by_round_off_of_its_largest_value_is_none() -> None:
+    def judged(growth: float) -> str:
+        nothing = np.full(3, np.nan)
+        size = np.array([1000.0, 1e-3, np.nan])
+        found = Contraction(nothing, size, np.array([0.0, growth, np.nan]), nothing, {})
+        return contraction(0, np.arange(3.0), found).status
+
+    assert judged(0.9e-6) == "held"
+    assert judged(1.1e-6) == "broken"
+
+
+def test_a_gain_at_its_bound_is_held_and_one_above_it_is_not() -> None:
+    bounds = SimpleNamespace(
+        value=np.ones(2),
+        gain_bound=np.full((2, 2), 3.0),
+        outside=np.ones(2, dtype=bool),
+        parts={name: np.ones(2) for name in CAUSES},
+    )
+    for share, status in ((1.0, "held"), (1.0 + 1e-13, "held"), (1.0 + 1e-9, "broken")):
+        gain = np.array([[1.0, 3.0 * share], [2.0, 1.0]])
+        assert _lemma2(0, np.arange(2.0), gain, bounds, np.zeros(2, dtype=int)).status == status
 
 
 # Tables and files

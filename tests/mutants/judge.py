@@ -144,11 +144,13 @@ class Judge:
         pair = changed_function(old, compile(mutant.source, path, "exec"))
         assert pair is not None
         there = live.get((path, pair[0].co_qualname, pair[0].co_firstlineno), [])
-        for function in there:
-            function.__code__ = pair[1]
-        if not there:  # made and used while modules were imported
+        # Without its functions (made and used while modules were imported), or with other variables from outside, which
+        # cannot be put into one that is there, a mutant needs a process of its own.
+        if not there or len(pair[0].co_freevars) != len(pair[1].co_freevars):
             out.write(_cold(self.root, mutant, names))
             return
+        for function in there:
+            function.__code__ = pair[1]
         _limit(PATIENCE * (seconds + 1.0))
         for name, following in zip(names, [*names[1:], None], strict=True):
             if not self._passes(name, following):

@@ -106,7 +106,13 @@ def test_the_walk_ends_on_the_face_that_enumeration_finds():
 
 def test_on_the_way_to_a_faces_minimum_the_first_joint_that_would_turn_round_stops_all():
     face, none = np.array([0, 1]), np.zeros(2)
-    for start, target, share in ((1.0, -1.0, 0.5), (2.0, -0.5, 0.8), (0.0, 0.0, 0.0), (0.0, -1.0, 0.0)):
+    for start, target, share in (
+        (1.0, -1.0, 0.5),
+        (2.0, -0.5, 0.8),
+        (0.0, 0.0, 0.0),
+        (0.0, -1.0, 0.0),
+        (1.0, 0.0, 1.0),
+    ):
         sign, present = np.array([1, 0]), np.array([start, 1.0])
         assert _go(face, 2, np.array([target, 3.0]), none, sign, present) == 0
         assert sign.tolist() == [0, 0]

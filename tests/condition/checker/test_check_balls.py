@@ -539,6 +539,13 @@ def test_the_armature_that_is_evaluated_is_of_the_range_the_statement_is_used_fo
     assert drawn.min(axis=0).tolist() == [0.1, 0.2]
     assert drawn.max(axis=0).tolist() == [0.3, 0.2]
     assert len(set(drawn[:, 0])) > 3
+    # Between the ends as well, whatever their distance.
+    for width in (1e-3, 100.0):
+        far = parsed_case(2, armature_lower=[0.1, 0.2], armature_upper=[0.1 + width, 0.2])
+        shares = [(spot_checks._armature(parsed_statement(2, "bounded"), far, rng)[0] - 0.1) / width for _ in range(90)]
+        inside = [share for share in shares if 1e-9 < share < 1.0 - 1e-9]
+        assert len(inside) > 10
+        assert np.ptp(inside) > 0.5
     own = parsed_statement(2, "level", armature=[0.5, 0.0], slack=[0.25, 0.0])
     drawn = np.array([spot_checks._armature(own, ends, rng) for _ in range(60)])
     assert drawn.min(axis=0).tolist() == [0.5, 0.0]

@@ -591,6 +591,9 @@ def _cut(text: str, old: str, new: str) -> str:
 
 REFUSED: dict[str, Callable[[], str]] = {
     "no XML": lambda: "<robot",
+    "a link without a name": lambda: _two(c=link(""), m=joint("m", "b", "")),
+    "a joint without a name": lambda: _two(k=joint("", "a", "b")),
+    "a name with a sign that cannot be shown": lambda: _two(k=joint("k&#x202e;", "a", "b")),
     "nothing": lambda: "",
     "nul": lambda: "<robot>\0</robot>",
     "a document type": lambda: "<!DOCTYPE robot>" + _two(),
