@@ -16,7 +16,7 @@ from asmc_pin.arms.frame_kinematics import FrameKinematics
 from asmc_pin.arms.urdf.rigid_inertia import inertia_problem
 from asmc_pin.engine import rollout
 from asmc_pin.errors import ParameterError
-from asmc_pin.plant import Disturbance, EndStops, Friction, PayloadChange, Plant, Spread
+from asmc_pin.plant import Disturbance, Drive, EndStops, Friction, PayloadChange, Plant, Sensor, Spread
 from asmc_pin.plant.world.spread import vary_links
 
 L = 1e-3
@@ -293,3 +293,37 @@ def test_a_world_that_does_not_fit_the_arm_is_refused(arm):
         Plant(arm, disturbances=[Disturbance(profile="step", torque=[1.0, 2.0])])
     with pytest.raises(ParameterError, match=r"at least \d+ substeps"):
         run(arm, end_stops=EndStops(stiffness=1e8))
+
+
+ALIKE = [
+    *(EndStops, Drive, Sensor),
+    lambda: Disturbance(profile="sine", torque=1.0, frequency=2.0),
+    lambda: PayloadChange(time=0.1, payload=1.0),
+]
+
+
+@pytest.mark.parametrize("made", ALIKE)
+def test_parameters_of_a_plant_are_one_object_each_however_alike(made):
+    # They hold arrays, of which `==` says no yes or no.
+    one, other = made(), made()
+    assert len({one, other, one}) == 2
+    assert one != other
+
+
+def test_stops_are_damped_where_nobody_says_otherwise():
+    assert float(EndStops().damping) == 0.5
+
+
+def test_a_varied_arm_shows_itself_as_arms_do_and_not_by_its_arrays():
+    arm = load_arm("two_link")
+    (varied,) = Spread(mass=0.1).arms([arm], 0, [0])
+    assert "array" not in repr(varied)
+    assert len(repr(varied)) < 500
+
+
+@pytest.mark.parametrize("viscous", [10.0, 1e5])
+def test_viscous_friction_is_that_of_the_velocity_after_the_step_so_that_none_overshoots(tmp_path, viscous):
+    arm = slider(tmp_path, 2.0)
+    plant = Plant(arm, friction=Friction(0.0, viscous), substeps=1, integrator="semi_implicit", start="relaxed")
+    run = rollout(plant, OpenLoop(lambda t: 0.0, 1e-3), Still(np.zeros(1)), 0.005, v0=[1.0])
+    np.testing.assert_allclose(run.v[0, :, 0], (1.0 + 1e-3 * viscous / 2.0) ** -np.arange(6.0), rtol=1e-9, atol=1e-14)
