@@ -1,5 +1,7 @@
 """Metrics against signals whose figures are known in closed form."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from paths import DOCS
@@ -188,3 +190,12 @@ def test_every_metric_is_defined_in_the_docs_with_unit_and_source(metric):
 
 def test_what_is_high_begins_at_50_hz_where_nobody_says_otherwise():
     assert MetricSettings().cutoff_hz == 50.0
+
+
+def test_when_a_run_begins_changes_no_figure():
+    s = np.array([1.0, -1.0, -1.0, 2.0])
+    rollout = run(4, s=s, torque=s, q=0.01 * s)
+    later = dataclasses.replace(rollout, time=rollout.time + 5.0)
+    before, after = evaluate(rollout), evaluate(later)
+    for name, values in before.items():
+        np.testing.assert_allclose(after[name], values, rtol=1e-9, err_msg=name)

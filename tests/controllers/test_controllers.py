@@ -21,6 +21,7 @@ from asmc_pin.controllers import (
     REQUIRED,
     Baek2016,
     Bsmc,
+    ParameterInfo,
     Plestan2010,
     Ppc,
     Sample,
@@ -538,3 +539,11 @@ def test_the_table_lists_every_law_with_its_own_parameters() -> None:
     }
     assert {name: own[name] for name in known} == known
     assert all(all(row.values()) for row in controllers_table())
+
+
+def test_a_parameter_shows_its_unit_where_it_has_one_and_its_default_where_it_need_not_be_given() -> None:
+    shown = {key: str(ParameterInfo(key, "", unit, True, needed, 0.5)) for key, unit, needed in UNITS}
+    assert shown == {"ks": "ks [1/s]", "share": "share = 0.5", "cutoff": "cutoff [Hz] = 0.5"}
+
+
+UNITS = (("ks", "1/s", True), ("share", "", False), ("cutoff", "Hz", False))

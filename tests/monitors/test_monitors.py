@@ -236,6 +236,16 @@ def test_a_payload_picked_up_in_mid_run_is_in_the_norm_from_that_tick_on(arm: Ar
         assert found.norm[0, ticks] == pytest.approx(expected, rel=1e-12)
 
 
+def test_each_payload_of_a_run_is_in_the_norm_while_it_is_carried(arm: Arm) -> None:
+    law = law_of("ppc")
+    changes = [PayloadChange(time=0.02, payload=4.0), PayloadChange(time=0.05, payload=1.0)]
+    seen, plant = run(arm, law, seconds=0.08, payload_changes=changes)
+    found = monitor(seen, plant, law)
+    for load, ticks in ((None, slice(0, 20)), (4.0, slice(20, 50)), (1.0, slice(50, None))):
+        mass = arm.replace(payload=load).mass_matrix(seen.q[0, ticks])
+        assert found.norm[0, ticks] == pytest.approx(lemma1_norm(mass, law.mbar), rel=1e-12)
+
+
 def test_disturbances_are_part_of_gamma(arm: Arm) -> None:
     law = law_of("ppc")
     push = Disturbance(profile="step", torque=[0.0, 3.0], start=0.2)

@@ -17,7 +17,7 @@ from asmc_pin.engine import Rollout, rollout
 from asmc_pin.monitors import CAUSES, STATEMENTS, STATUSES, Monitors, claim_rows, monitor, monitor_dataset
 from asmc_pin.monitors.claim_texts import judge, percent
 from asmc_pin.monitors.claim_verdicts import _lemma2, contraction
-from asmc_pin.monitors.lyapunov_monitor import lyapunov_of
+from asmc_pin.monitors.lyapunov_monitor import gain_bounds, lyapunov_of
 from asmc_pin.monitors.tde_monitor import Contraction
 from asmc_pin.plant import Disturbance, Drive, Friction, Plant, Sensor
 
@@ -257,6 +257,19 @@ def test_growth_of_n_by_round_off_of_its_largest_value_is_none() -> None:
 
     assert judged(0.9e-6) == "held"
     assert judged(1.1e-6) == "broken"
+
+
+def test_the_bound_of_a_gain_is_that_of_v_or_of_what_counts_as_zero() -> None:
+    law = Baek2016(mbar=[1.0], period=0.01, ks=8.0, beta=8.0, phi=400.0, alpha=0.25, epsilon=0.01, threshold=0.3)
+    idle = 0.3 + 0.01 * 400.0 * 0.01 / 0.25
+    value, outside = np.array([0.5, 0.4, 0.3, 0.2, np.nan]), np.array([False, True, True, False, False])
+    star = np.array([2.0])
+    found = gain_bounds(value, np.full((5, 1), 0.1), outside, law, star)
+    steep = np.sqrt(2.0 * 400.0 / 0.25)
+    assert found[:, 0] == pytest.approx([idle, *[2.0 + steep * np.sqrt(0.4)] * 3, np.nan], nan_ok=True)
+    # Where V says less than what counts as zero, that is the bound; and it begins no lower than the gain.
+    assert gain_bounds(0.0 * value, np.full((5, 1), 0.1), outside, law, 0.0 * star)[2, 0] == pytest.approx(idle)
+    assert gain_bounds(value, np.full((5, 1), 9.0), outside, law, star)[0, 0] == 9.0
 
 
 def test_a_gain_at_its_bound_is_held_and_one_above_it_is_not() -> None:

@@ -147,7 +147,7 @@ def _campaign(mutants: list[Mutant], parts: dict[str, str], judges: dict[str, li
     settings.register_profile("mutants", database=None, derandomize=True, phases=[Phase.explicit, Phase.generate])
     settings.load_profile("mutants")
     quiet = ["-q", "--no-header", "-p", "no:cacheprovider", "-s", "-o", "addopts=--strict-markers"]
-    tests = [*judges["tests"], "-m", "not long and not soundness", "--rootdir", str(ROOT)]
+    tests = [*(asked.judge or judges["tests"]), *judges["warm"], "-m", "not long and not soundness", "--rootdir", str(ROOT)]
     status = pytest.main([*quiet, *tests], plugins=[Judge(ROOT, work)])
     if status not in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
         sys.exit(4)
@@ -162,6 +162,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--again", action="store_true", help="only those that survived the last run, or were not run")
+    parser.add_argument("--judge", action="append", help="a file of tests that judges, in place of all; repeatable")
     parser.add_argument("--compilation", choices=("on", "off"), help=argparse.SUPPRESS)
     asked = parser.parse_args()
     parts = modules_of(targets["parts"])

@@ -26,7 +26,7 @@ from _pytest.runner import runtestprotocol
 
 from mutants.draw import Mutant, changed_function
 
-LONGEST = 3.0
+LONGEST = 2.0
 """Seconds of processor time that a test may take and still judge mutants."""
 
 ENOUGH = 8.0
