@@ -147,7 +147,15 @@ def _campaign(mutants: list[Mutant], parts: dict[str, str], judges: dict[str, li
     settings.register_profile("mutants", database=None, derandomize=True, phases=[Phase.explicit, Phase.generate])
     settings.load_profile("mutants")
     quiet = ["-q", "--no-header", "-p", "no:cacheprovider", "-s", "-o", "addopts=--strict-markers"]
-    tests = [*(asked.judge or judges["tests"]), *judges["warm"], "-m", "not long and not soundness", "--rootdir", str(ROOT)]
+    quiet += ["-m", "not long and not soundness"]
+    tests = [
+        *(asked.judge or judges["tests"]),
+        *judges["warm"],
+        "-m",
+        "not long and not soundness",
+        "--rootdir",
+        str(ROOT),
+    ]
     status = pytest.main([*quiet, *tests], plugins=[Judge(ROOT, work)])
     if status not in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
         sys.exit(4)

@@ -26,10 +26,10 @@ from _pytest.runner import runtestprotocol
 
 from mutants.draw import Mutant, changed_function
 
-LONGEST = 2.0
+LONGEST = 3.0
 """Seconds of processor time that a test may take and still judge mutants."""
 
-ENOUGH = 8.0
+ENOUGH = 30.0
 """Seconds of processor time, without a fault, of all tests that one mutant is shown."""
 
 PATIENCE = 5.0

@@ -183,3 +183,9 @@ def test_friction_is_read_only_and_keeps_no_reference_to_what_was_given():
     assert friction.coulomb[0] == 1.0
     with pytest.raises(ValueError, match="read-only"):
         friction.coulomb[0] = 5.0
+
+
+def test_friction_may_have_a_row_for_each_trial_and_each_row_is_for_the_joints():
+    Friction([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]).check(2)
+    with pytest.raises(ParameterError, match=r"friction\."):
+        Friction([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]).check(3)

@@ -17,6 +17,7 @@ from asmc_pin.arms.urdf.rigid_inertia import inertia_problem
 from asmc_pin.engine import rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.plant import Disturbance, Drive, EndStops, Friction, PayloadChange, Plant, Sensor, Spread
+from asmc_pin.plant.world.end_stops import StopForces
 from asmc_pin.plant.world.spread import vary_links
 
 L = 1e-3
@@ -327,3 +328,13 @@ def test_viscous_friction_is_that_of_the_velocity_after_the_step_so_that_none_ov
     plant = Plant(arm, friction=Friction(0.0, viscous), substeps=1, integrator="semi_implicit", start="relaxed")
     run = rollout(plant, OpenLoop(lambda t: 0.0, 1e-3), Still(np.zeros(1)), 0.005, v0=[1.0])
     np.testing.assert_allclose(run.v[0, :, 0], (1.0 + 1e-3 * viscous / 2.0) ** -np.arange(6.0), rtol=1e-9, atol=1e-14)
+
+
+def test_stops_store_the_energy_of_springs_on_either_side():
+    stops = StopForces(EndStops(stiffness=200.0), np.array([-2.0, -np.inf]), np.array([1.0, 3.0]))
+    energy = stops.energy(np.array([[-2.5, 0.0], [0.0, -9.0], [1.5, 3.5], [-1.0, 2.0]]))
+    np.testing.assert_allclose(energy, [25.0, 0.0, 50.0, 0.0])
+
+
+def test_a_drive_without_a_rotor_leaves_the_arm_as_it_is(arm):
+    assert Plant(arm, drive=Drive()).arms[0] is arm

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 from plant_cases import OpenLoop, Still, slider
 
 from asmc_pin.engine import rollout
 from asmc_pin.plant import Friction, Plant
+from asmc_pin.plant.run_record import outside_limits
 
 
 def test_a_run_tells_how_many_trials_diverged_and_counts_the_others_figures(tmp_path):
@@ -25,3 +27,17 @@ def test_a_run_tells_how_many_trials_diverged_and_counts_the_others_figures(tmp_
     lost = dataclasses.replace(broken, status=("diverged", "diverged"))
     assert "2 diverged" in lost.lines()[0]
     assert "3" not in lost.table()[1][0][2]
+
+
+def test_a_joint_that_leaves_its_limits_is_named_with_the_first_time_and_the_farthest_it_came():
+    arm = SimpleNamespace(lower=np.array([-1.0, 2.0]), upper=np.array([0.5, 4.0]))
+    plant = SimpleNamespace(arm=SimpleNamespace(joint_names=("a", "b")), arms=(arm,))
+    time = 0.1 * np.arange(5)
+    q = np.array([[[0.3, 3.0], [0.4, 3.9], [0.6, 3.0], [0.9, 2.5], [np.nan, np.nan]]])
+    (found,) = outside_limits(plant, time, q)
+    assert (found.joint, found.trial, found.time) == ("a", 0, time[2])
+    np.testing.assert_allclose(found.excess, 0.4)
+    (found,) = outside_limits(plant, time, q - [0.5, 1.4])
+    assert (found.joint, found.time) == ("b", time[0])
+    np.testing.assert_allclose(found.excess, -0.9)
+    assert outside_limits(plant, time, np.clip(q, arm.lower, arm.upper)) == ()
