@@ -11,7 +11,7 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.certificate.compiled import cell_loss, first_joints, joint_steps, loss_metric
 from asmc_pin.condition.certificate.compiled.loss_metric import metric_of
 from asmc_pin.condition.certificate.compiled.working_state import Problem, scratch
-from asmc_pin.numerics.cholesky import invert_lower, lifted_cholesky, surely_positive
+from asmc_pin.numerics.cholesky import invert_lower, surely_positive
 from asmc_pin.numerics.eigen import eigen
 
 SIZES = (6, 12)
@@ -207,11 +207,18 @@ def test_the_metric_of_losses_is_what_joints_can_do_and_a_share_of_the_rigid(m: 
 
 
 def test_no_metric_of_losses_is_singular_even_of_a_point_mass() -> None:
-    assert 0.0 < loss_metric.LIFT < 0.1
-    basis = np.array([[1.0, 1.0], [1.0, 1.0 + 1e-9]])
-    L = np.empty((2, 2))
-    lifted_cholesky(basis, loss_metric.LIFT, L)
-    assert L[1, 1] ** 2 == pytest.approx(loss_metric.LIFT * basis[1, 1], rel=1e-6)
+    arm = np.array([[0.0, -0.3, 0.2], [0.3, 0.0, -0.1], [-0.2, 0.1, 0.0]])
+    k = scratch(2, 6, 1)
+    k.composite[1] = np.block([[arm @ arm.T, arm], [arm.T, np.eye(3)]])  # 1 kg at (0.1, 0.2, 0.3), nothing about itself
+    assert abs(np.linalg.eigvalsh(k.composite[1])[0]) < 1e-15
+    none = np.zeros((2, 6, 6))
+    problem = Problem(
+        *(np.zeros(2, dtype=np.int64), np.zeros(2, dtype=np.bool_), none, none, none),
+        *(np.zeros((2, 1, 1)), np.zeros((2, 1, 1)), np.zeros(2), np.zeros(2), False, 1.0),
+    )
+    loss_metric.metric_of(problem, k, 1, np.eye(6))
+    assert np.linalg.cond(k.metric[1]) < 1e5
+    assert k.inverse[1] @ k.basis[1] == pytest.approx(np.eye(6), abs=1e-9)
 
 
 def exactly_positive(S: Array) -> bool:
@@ -280,3 +287,13 @@ def test_eigenpairs_that_guide_the_loss_are_eigenpairs() -> None:
     eigen(np.zeros((6, 6)), V, d, np.empty(6))
     assert np.all(d == 0.0)
     assert np.abs(V.T @ V - np.eye(6)).max() < 1e-14
+
+
+def test_eigenpairs_of_a_chain_of_equal_masses_are_those_of_its_closed_form() -> None:
+    # 2 − 2 cos(kπ/(m + 1)); neighbours on the diagonal are alike, where a shift by their difference says nothing.
+    for m in (2, 3, 6):
+        A = 2.0 * np.eye(m) - np.eye(m, k=1) - np.eye(m, k=-1)
+        V, d = np.empty((m, m)), np.empty(m)
+        eigen(A, V, d, np.empty(m))
+        assert np.sort(d) == pytest.approx(2.0 - 2.0 * np.cos(np.arange(1, m + 1) * np.pi / (m + 1)), abs=1e-13)
+        assert (V * d) @ V.T == pytest.approx(A, abs=1e-13)

@@ -81,7 +81,9 @@ def test_what_is_left_of_an_own_form_by_cancellation_is_not_divided_by() -> None
         assert eliminated(np.array([[1.0, 1.0 - gap], [1.0 - gap, 1.0]])) == sure
         assert eliminated(np.array([[1.0, 0.0], [0.0, 1.0]]), across=1e2)
     assert not eliminated(np.array([[1e-6, 0.0], [0.0, 1.0]]), across=1e8)
-    # It is a matter of proportion, not of size.
+    # It is a matter of proportion, not of size; and of each velocity's own.
+    assert eliminated(np.array([[1.0, 1e7], [1e7, 1e16]]))
+    assert eliminated(np.array([[1e16, 1e7], [1e7, 1.0]]))
     for scale in (1e-20, 1e20):
         assert eliminated(scale * np.eye(2))
         assert eliminated(scale * np.eye(1))
