@@ -162,14 +162,17 @@ class Judge:
 
 
 def judging(mutant: Mutant, covered: Covered) -> list[str]:
-    """The tests that a mutant is shown, the quickest first."""
-    what = f"{mutant.module}:{mutant.function}"
-    whole = f"{mutant.module}:"
-    names = [
-        name
-        for name, (_, called) in covered.items()
-        if what in called or (mutant.function is None and any(each.startswith(whole) for each in called))
-    ]
+    """The tests that a mutant is shown, the quickest first: those that call its function.
+
+    What is no function's code (a default, a constant) is not called: all tests stand for it of those files in which one
+    calls something of its module.
+    """
+    if mutant.function is not None:
+        names = [name for name, (_, called) in covered.items() if f"{mutant.module}:{mutant.function}" in called]
+    else:
+        inside = f"{mutant.module}:"
+        near = {_file(name) for name, (_, called) in covered.items() if any(each.startswith(inside) for each in called)}
+        names = [name for name in covered if _file(name) in near]
     names.sort(key=lambda name: covered[name][0])
     taken, total = [], 0.0
     for name in names:
@@ -178,6 +181,10 @@ def judging(mutant: Mutant, covered: Covered) -> list[str]:
             break
         taken.append(name)
     return taken
+
+
+def _file(test: str) -> str:
+    return test.split("::", maxsplit=1)[0]
 
 
 def _outermost(called: str) -> str:

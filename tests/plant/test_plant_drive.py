@@ -236,6 +236,15 @@ def test_a_drive_that_does_not_fit_the_arm_or_the_step_is_refused():
         soft.begin(np.zeros((1, 2)), np.zeros((1, 2)), 1e-3)
 
 
+def test_friction_at_the_motor_is_the_same_friction_with_every_scheme(arm):
+    drive = Drive(gear=1.0, rotor_inertia=0.5, stiffness=500.0, damping=20.0, friction="motor")
+    ends = []
+    for integrator in ("semi_implicit", "midpoint", "rk4"):
+        plant = Plant(arm, substeps=4, drive=drive, friction=Friction(0.3, 0.5), integrator=integrator, start="relaxed")
+        ends.append(rollout(plant, OpenLoop(lambda t: 3.5, 1e-3), Still(np.zeros(1)), 0.05, v0=[0.2]).q[0, -1, 0])
+    np.testing.assert_allclose(ends, ends[2], rtol=5e-3)
+
+
 def test_nobody_changes_a_drive_under_a_plant():
     with pytest.raises(dataclasses.FrozenInstanceError):
         Drive(gear=2.0).gear = 3.0
