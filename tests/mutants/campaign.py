@@ -60,7 +60,10 @@ def covered(judge: Judge, modules: list[str], workers: int) -> Covered:
     found: Covered = {}
     for file in sorted({name.split("::", maxsplit=1)[0] for name in judge.items}):
         names = [name for name in judge.items if name.split("::", maxsplit=1)[0] == file]
-        kept = SCRATCH / f"calls-{os.environ.get('NUMBA_DISABLE_JIT', '0')}-{shared}-{_digest([ROOT / file])}.json"
+        kept = (
+            SCRATCH
+            / f"calls-{os.environ.get('NUMBA_DISABLE_JIT', '0')}-{shared}-{_digest([ROOT / file])}-{len(names)}.json"
+        )
         if kept.exists():
             held = {
                 name: (seconds, frozenset(calls)) for name, (seconds, calls) in json.loads(kept.read_text()).items()
