@@ -11,7 +11,6 @@ from check_cases import arm, case, condition_of, header, hexed, statement, told
 from condition_cases import chain_urdf
 
 from asmc_pin.condition import lemma1_norm, weighted_norm
-from asmc_pin.condition.checker import outcome
 from asmc_pin.condition.checker.balls.witness import witness
 from asmc_pin.condition.checker.conclusions import Conclusion, Witness, armature_words, conclude, disagreements
 from asmc_pin.condition.checker.reading.certificate_schema import Contents
@@ -542,12 +541,16 @@ def test_names_and_hashes_of_the_header_are_not_what_is_said() -> None:
 # What is shown ------------------------------------------------------------------------------------------------------
 
 
+def _said_of(found: Conclusion) -> str:
+    return " ".join(line.strip() for line in found.lines())
+
+
 def test_no_scale_of_0_is_said_to_be_proven() -> None:
-    nothing = outcome._shown(Conclusion("undecided", 0.5, None, 0.0, None))
-    assert nothing == "the norm is at least 0.5 at the worst configuration known"
-    much = outcome._shown(Conclusion("holds", 0.25, 0.75, 1.25, 1.5))
+    nothing = _said_of(Conclusion("undecided", 0.5, None, 0.0, None))
+    assert nothing == "undecided: the norm is at least 0.5 at the worst configuration known"
+    much = _said_of(Conclusion("holds", 0.25, 0.75, 1.25, 1.5))
     assert much == (
-        "the condition is proven for M̄ × 1.25, broken for M̄ × 1.5, the norm is at least 0.25 at the worst "
+        "holds: the condition is proven for M̄ × 1.25, broken for M̄ × 1.5, the norm is at least 0.25 at the worst "
         "configuration known, and proven to be below 0.75"
     )
-    assert "broken for every multiple of M̄" in outcome._shown(Conclusion("violated", 2.0, None, 0.0, 0.0))
+    assert "broken for every multiple of M̄" in _said_of(Conclusion("violated", 2.0, None, 0.0, 0.0))
