@@ -19,6 +19,7 @@ from hypothesis import Phase, settings
 
 from mutants.draw import Mutant, by_hand, draw
 from mutants.judge import Covered, Judge, Verdict
+from mutants.operators import check_examples
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).parent
@@ -176,6 +177,7 @@ def main() -> None:
     parser.add_argument("--judge", action="append", help="a file of tests that judges, in place of all; repeatable")
     parser.add_argument("--compilation", choices=("on", "off"), help=argparse.SUPPRESS)
     asked = parser.parse_args()
+    check_examples()
     parts = modules_of(targets["parts"])
     mutants, possible = drawn(parts, asked.count, asked.seed)
     faults = tomllib.loads((HERE / "by_hand.toml").read_text(encoding="utf-8"))["fault"]

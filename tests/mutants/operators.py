@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import parso
+from cosmic_ray.mutating import mutate_code
 from cosmic_ray.operators.operator import Example, Operator
 from cosmic_ray.operators.provider import OperatorProvider
 
@@ -44,10 +45,6 @@ class _Ours(Operator):
         first = node.get_first_leaf()
         return parso.parse(first.prefix + list(self._texts(node))[index])
 
-    @classmethod
-    def examples(cls) -> tuple[Example, ...]:
-        return ()
-
 
 def _code(nodes: list[Any]) -> str:
     return "".join(node.get_code() for node in nodes).strip()
@@ -55,6 +52,10 @@ def _code(nodes: list[Any]) -> str:
 
 class DropTerm(_Ours):
     """a + b − c without one of its terms."""
+
+    @classmethod
+    def examples(cls) -> tuple[Example, ...]:
+        return (Example("x = a - b + c", "x = (a + c)", 1),)
 
     def _texts(self, node: Any) -> Iterator[str]:
         if node.type == "arith_expr":
@@ -65,6 +66,10 @@ class DropTerm(_Ours):
 
 class DropFactor(_Ours):
     """a * b / c without one of its factors."""
+
+    @classmethod
+    def examples(cls) -> tuple[Example, ...]:
+        return (Example("x = a / b * c", "x = (a / b)", 1),)
 
     def _texts(self, node: Any) -> Iterator[str]:
         if node.type == "term":
@@ -78,6 +83,10 @@ class DropFactor(_Ours):
 
 class DropStatement(_Ours):
     """A write to a place, or a call for its effect, left out; other names would be missed by whoever reads them."""
+
+    @classmethod
+    def examples(cls) -> tuple[Example, ...]:
+        return (Example("y = 2\nx[0] = 1\n", "y = 2\npass\n", 0),)
 
     def _texts(self, node: Any) -> Iterator[str]:
         if node.type == "expr_stmt":
@@ -115,6 +124,10 @@ _SWAPS = {
 class SwapCall(_Ours):
     """A call of the opposite function, or of none."""
 
+    @classmethod
+    def examples(cls) -> tuple[Example, ...]:
+        return (Example("x = abs(a) + np.min(b)", "x = abs(a) + np.max(b)", 1),)
+
     def _texts(self, node: Any) -> Iterator[str]:
         if node.type != "atom_expr":
             return
@@ -144,3 +157,11 @@ def operators() -> dict[str, Operator]:
     names += [f"ReplaceUnaryOperator_{each}" for each in _UNARY]
     found = {name: provider[name]() for name in (*names, *_OTHERS)}
     return found | {each.__name__: each() for each in OURS}
+
+
+def check_examples() -> None:
+    """See that our operators make of their examples what they say."""
+    for each in OURS:
+        for example in each.examples():
+            made = mutate_code(example.pre_mutation_code, each(), example.occurrence)
+            assert made == example.post_mutation_code, (each.__name__, made)
