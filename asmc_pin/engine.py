@@ -36,9 +36,9 @@ def rollout(
 ) -> Rollout:
     """Run a law on a plant along a reference.
 
-    A tick, at t_k = k·period: the drives report a `Sample`, the law answers with a torque, the drives hold it within
-    their limits, the plant moves on. A trial's result is the same to the last bit whatever the batch it runs in. A
-    trial diverges when a state or the law's torque is not finite, or beyond the plant's ``speed_bound`` or
+    At a tick, t_k = k·period, the drives report a `Sample`, the law computes a torque, the drives hold it within their
+    limits, and the plant moves on. A trial's result is the same to the last bit in whatever batch it runs. A trial
+    diverges when a state or the law's torque is not finite, or beyond the plant's ``speed_bound`` or
     ``error_bound``: it stops, and the others go on untouched. Numerical trouble in the law is such a result, so numpy's
     floating-point warnings are silent in here; an exception in the law is raised.
 

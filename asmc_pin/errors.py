@@ -1,6 +1,6 @@
 """Errors the package raises: one root, and leaves that carry the data they speak of.
 
-Every message says what was given, what was expected and how to mend it. The command line prints the message of any
+Every message says what was given, what was expected and how to correct it. The command line prints the message of any
 `AsmcPinError` without a traceback and exits with status 2.
 """
 
@@ -12,9 +12,9 @@ from asmc_pin.words.text import message_text
 
 
 class AsmcPinError(Exception):
-    """Root of every error that a user of the package can mend.
+    """Root of every error that a user of the package can correct.
 
-    Its message often quotes what a stranger wrote, so control characters in it are escaped, all but line breaks.
+    Its message often quotes a file, so control characters in it are escaped, all but line breaks.
     """
 
     def __init__(self, message: str = "") -> None:

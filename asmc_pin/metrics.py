@@ -45,7 +45,7 @@ MOVED = "moved_"
 
 @dataclass(frozen=True, slots=True)
 class MetricSettings:
-    """What the metrics need besides the rollout.
+    """What the metrics need in addition to the run.
 
     Attributes:
         cutoff_hz: Frequency above which torque power counts as high, Hz.
@@ -71,7 +71,7 @@ Best = Literal["smallest", "largest"] | None
 
 @dataclass(frozen=True)
 class Metric:
-    """One figure per trial and joint.
+    """One number per trial and joint that says how well a controller did.
 
     Attributes:
         name: Key in results and in ``compare --json``.

@@ -98,7 +98,7 @@ def _as_floats(name: str, value: object, expected: str) -> Array:
 
 
 class Scalar(Parameter[float, float]):
-    """One number."""
+    """A parameter that is one number."""
 
     def __init__(
         self,
@@ -128,7 +128,7 @@ class Scalar(Parameter[float, float]):
 
 
 class ScalarOrWord(Parameter["float | str", "float | str"]):
-    """One number, or a word that stands for a rule by which the law finds it."""
+    """A parameter that is one number, or a word for a rule by which the law computes it."""
 
     def __init__(
         self,
@@ -155,7 +155,7 @@ class ScalarOrWord(Parameter["float | str", "float | str"]):
 
 
 class OptionalScalar(Parameter["float | None", "float | None"]):
-    """One number, or None."""
+    """A parameter that is one number, or None."""
 
     def __init__(
         self, meaning: str, unit: str = "", *, above: float | None = None, default: float | None = None
@@ -175,7 +175,7 @@ class OptionalScalar(Parameter["float | None", "float | None"]):
 
 
 class AsGiven(Parameter[Any, Any]):
-    """What is kept as it is given: text, a table, a list of names. The class that has it checks it.
+    """A parameter that is kept as it is given: text, a table, a list of names. The class that has it checks it.
 
     Attributes:
         shape: What may be given, in words.
@@ -198,8 +198,8 @@ class AsGiven(Parameter[Any, Any]):
 class Values(Parameter[Array, Any]):
     """Numbers as a read-only array with one of the stated numbers of axes; given as a number, nested lists or an array.
 
-    To type checkers what may be given is Any: they take it for the type of the attribute too where a frozen dataclass
-    inherits the field.
+    For type checkers any value may be given. A narrower type would also become the type of the attribute where a frozen
+    dataclass inherits the field.
     """
 
     def __init__(
@@ -242,7 +242,7 @@ class Values(Parameter[Array, Any]):
 
 
 class PerJoint(Values):
-    """A scalar for all joints, or one value for each; kept with shape () or (nv,)."""
+    """A parameter that is one number for all joints, or one for each; kept with shape () or (nv,)."""
 
     def __init__(
         self,
@@ -295,7 +295,7 @@ class PerTrial(PerJoint):
 
 
 class OptionalPerJoint(PerJoint):
-    """A scalar for all joints or one value for each, or None: what it stands for is absent."""
+    """A parameter as `PerJoint`, or None: what it describes is absent."""
 
     def __init__(
         self, meaning: str, unit: str = "", *, above: float | None = None, at_least: float | None = None
@@ -309,7 +309,7 @@ class OptionalPerJoint(PerJoint):
 
 
 class Choice(Parameter[str, str]):
-    """One of a few words."""
+    """A parameter that is one of a few words."""
 
     def __init__(self, meaning: str, options: tuple[str, ...], *, default: str = REQUIRED) -> None:
         super().__init__(meaning, default=default)

@@ -24,7 +24,7 @@ class ModelLaw(ABC):
     The model is the arm itself unless an error is stated: `mass_scale` c multiplies the mass and the rotational inertia
     of every link, the payload's among them, and leaves centres of mass and armature as they are, so that
     M̂ = c (M − diag(armature)) + diag(armature) and ĥ = c h; ``payload="unknown"`` takes the payload away. What the
-    plant does beyond the arm (friction, drives, a payload picked up in mid-run) is not in the model.
+    plant does beyond the arm (friction, drives, a payload picked up during a run) is not in the model.
 
     Attributes:
         period: Control period L, above 0, s.

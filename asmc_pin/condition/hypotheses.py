@@ -79,7 +79,7 @@ class Carried:
 
 @dataclass(frozen=True, kw_only=True)
 class Premises:
-    """The arm that is spoken of, with all that was supposed about it, and where it may stand.
+    """The arm that a statement is about, with all that is assumed of it, and the configurations that are covered.
 
     Attributes:
         arm: Name of the arm.

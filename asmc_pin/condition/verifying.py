@@ -78,8 +78,8 @@ def verify(
 ) -> ConditionReport:
     """Look for a configuration at which M̄ breaks a condition.
 
-    Low-discrepancy samples of the joint box and local maximisation from the best of them. What is found refutes; where
-    nothing is found the verdict is ``unrefuted``, since a sample never proves.
+    The norm is evaluated at low-discrepancy samples of the joint box, and maximised locally from the best of them. A
+    counter-example refutes. Where none is found the verdict is ``unrefuted``, since samples never prove.
 
     Args:
         arm: The arm.

@@ -29,7 +29,7 @@ class Sample:
 
 @dataclass(frozen=True, slots=True)
 class Setpoint:
-    """The reference at one control tick; each field of shape (batch, nv).
+    """The set point: what the reference asks for at one control tick; each field of shape (batch, nv).
 
     Attributes:
         q: Desired angle, rad.
@@ -43,7 +43,9 @@ class Setpoint:
 
 
 class Controller(Protocol):
-    """A control law: frozen parameters plus explicit state, on batches of trials.
+    """A law with its parameters, as a run uses it, for a batch of trials.
+
+    The parameters are fixed. What changes from tick to tick is the state, which `step` takes and returns.
 
     Two attributes are optional and only serve the log: ``ks``, with which the sliding variable s is computed, and
     ``gain`` of the state, (batch, nv), rad/s², where a law has an adaptive gain.

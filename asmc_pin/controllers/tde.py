@@ -79,10 +79,10 @@ class AdaptiveState(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TdeLaw(ABC):
-    r"""Parameters of (7), and (7) itself. The laws derive from it and add their own term.
+    r"""What all laws with time-delay estimation share: the parameters of PPC, eq. (7), and that equation itself.
 
-    What the loop is can be read from the attributes below; the sampled-data analysis does. What else a law says of its
-    own term, others ask it: `switching_term`, `boundary_slope`, `theorem1`.
+    A law derives from this class and adds its own term. The attributes below say what the loop is without that term;
+    the analysis of the sampled loop reads them. `switching_term`, `boundary_slope` and `theorem1` say what the term is.
 
     Attributes:
         mbar: Diagonal of M̄, scalar or nv values, above 0, kg·m².

@@ -33,7 +33,7 @@ class Mistake:
 
     Attributes:
         key: Path of the key, such as ``controllers.PPC.beta``.
-        message: What is wrong, and how to mend it.
+        message: What is wrong, and how to correct it.
     """
 
     key: str

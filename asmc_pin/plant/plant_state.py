@@ -26,7 +26,7 @@ SPRING_ANGLE = 1.0
 
 
 class Motion:
-    """Trials of one plant in lockstep; made by `Plant.begin`.
+    """A run while it goes on: the trials of one plant, all at the same tick. `Plant.begin` makes it.
 
     A tick is `stop_diverged`, `sample`, `apply`, `advance`. Arrays that are handed out are never written to afterwards.
 

@@ -35,7 +35,7 @@ class LimitViolation:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Rollout(Shown):
-    """What happened: every trial at every control tick, arrays read-only.
+    """A run: what happened in every trial at every control tick; arrays are read-only.
 
     A trial that diverged holds NaN from the tick at which that was found.
 

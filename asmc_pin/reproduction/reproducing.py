@@ -77,7 +77,7 @@ def reproduce(
 
     Args:
         names: Some of `asmc_pin.reproduction.printed_tables.NAMES`; all when omitted.
-        out: Folder of the page and the result_folder.
+        out: Folder of the page and of the results.
         force: Whether results that are there already may be replaced.
         search: Whether to try other readings of units and gains, where `names` has all experiments that share them.
         tune: Whether to tune the laws anew first; the experiments with these rows go to ``tuned`` in `out`, and run.

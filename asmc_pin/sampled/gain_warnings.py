@@ -106,7 +106,7 @@ def _about_loop(labels: str, loop: SampledLoop, searched: Sequence[_Searched]) -
             continue
         said = (
             f"{labels}: {where.place}at rest near q = {_angles(q)} rad gravity drives the sampled loop away from its "
-            f"set-point (spectral radius {radius:.4f} at L = {loop.period:g} s)"
+            f"set point (spectral radius {radius:.4f} at L = {loop.period:g} s)"
             if at_rest
             else f"{labels}: the sampled loop is unstable {where.place}at q = {_angles(q)} rad (spectral radius "
             f"{radius:.4f} at L = {loop.period:g} s)"

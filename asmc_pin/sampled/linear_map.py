@@ -22,13 +22,13 @@ _ERRORS = ("angle", "rate", "report")
 
 @dataclass(frozen=True)
 class ClosedLoop:
-    """The map z_{k+1} = F z_k + E h_k + B w_k + S n_{k+1} of the frozen loop around a set-point.
+    """The map z_{k+1} = F z_k + E h_k + B w_k + S n_{k+1} of the frozen loop around a set point.
 
     Attributes:
         matrix: F, shape (..., N, N).
         load: E, shape (..., N, nv): response to a load torque h (N·m, resisting: M q̈ = τ − h) held over one period.
         command: B, shape (..., N, nv): response to an addition w (rad/s²) to the commanded acceleration M̄⁻¹τ_k.
-        blocks: Where each part of z lies. "q" and "v" are the deviation from the set-point (−e, −ė); "tde" is the term
+        blocks: Where each part of z lies. "q" and "v" are the deviation from the set point (−e, −ė); "tde" is the term
             M̄⁻¹τ(t−L) − q̈(t−L) that the controller adds; the rest is memory of readings, estimate, filters and delay.
         sensed: S by what is added to: the "angle" read (rad), the "rate" where it is measured (rad/s), and the "report"
             of the torque (as acceleration, rad/s²); each of shape (..., N, nv). Empty unless asked for.

@@ -67,7 +67,7 @@ def stability(
         delay: Transport delay of the torque, periods; see docs/stability.md.
         sensor: What the drives report, see `loop_sensor`; the truth by default.
         pairing: Torque that goes with the estimate; see `SampledLoop`.
-        viscous: Viscous friction that is counted on, a scalar or nv values, N·m·s/rad; none by default, to be careful.
+        viscous: Viscous friction to include, a scalar or nv values, N·m·s/rad; none by default, the careful choice.
         box: Joint box; the arm's own by default.
         payload: As for `verify`: one, or the ends of a range.
         armature: As for `verify`.

@@ -32,7 +32,7 @@ _SPAN = 1e4
 
 @dataclass(frozen=True)
 class LoopLimits:
-    """Ends of the stable region in one direction each, the rest as given.
+    """Ends of the stable region, each in the direction of one parameter, with the others as given.
 
     They count the same maps as the verdict: the inertia alone, and the arm at rest under gravity. An upper end is inf
     and a lower end 0 where none was found. A range is the one around the given loop; where that is unstable, the next

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class WorstFound:
-    """The worst that a search found of a loop.
+    """The worst configuration of a loop that a search found.
 
     Attributes:
         radius: Spectral radius.

@@ -21,7 +21,7 @@ from asmc_pin.results import result_folder
 
 @dataclass(frozen=True)
 class Theorems:
-    """What the monitors found.
+    """What the monitors found about the paper's theorems.
 
     Attributes:
         claims: See `asmc_pin.monitors.claim_rows`.

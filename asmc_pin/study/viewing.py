@@ -16,7 +16,7 @@ def view(
     port: int = 0,
     open_browser: bool = False,
 ) -> Path | None:
-    """Replay a result, the controllers side by side, the reference as a ghost in each.
+    """Replay a result: the controllers side by side, each with the reference as a translucent arm.
 
     Args:
         result: A result or a comparison; or the folder of one, or its name in ``results/``.

@@ -1,4 +1,4 @@
-"""The check of a URDF on loading: every fault is named in plain words, with its place and how to mend it."""
+"""The check of a URDF on loading: every fault is named in plain words, with its place and how to correct it."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from fuzz.run import Outcome
 
 STATUSES = {0, 1, 2, 3, 130}
 LONGEST = 4000
-"""Characters of one message: it says what and how to mend it, and may list several mistakes."""
+"""Characters of one message: it says what and how to correct it, and may list several mistakes."""
 
 _FRAME = re.compile(r'File "[^"]*/(asmc_pin/[^"]+)", line (\d+)[^\n]*?in (\S+)')
 _ANY_FRAME = re.compile(r'File "([^"]+)", line (\d+)[^\n]*?in (\S+)')

@@ -218,7 +218,7 @@ def read_robot(document: Document) -> Robot:
         Its joints and links, and the XML for Pinocchio.
 
     Raises:
-        ArmError: The URDF is at fault; the message names the joint or link, the line, and how to mend it.
+        ArmError: The URDF is at fault; the message names the joint or link, the line, and how to correct it.
     """
     check_structure(document)
     root = _stripped(document)

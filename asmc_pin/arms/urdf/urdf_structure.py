@@ -203,7 +203,7 @@ def check_structure(document: Document) -> None:
     """Check names, numbers, joint types and the tree.
 
     Raises:
-        ArmError: The first fault found, with the joint or link, the line, and how to mend it.
+        ArmError: The first fault found, with the joint or link, the line, and how to correct it.
     """
     _check_name(document, document.root, "robot's", document.root.get("name") or "")
     count = len(document.root.findall("link"))

@@ -16,7 +16,7 @@ from asmc_pin.words.text import printable, rounded_down, rounded_up
 
 @dataclass(frozen=True, eq=False)
 class DesignPoint:
-    """One M̄ and what it is worth over the whole domain, by search.
+    """One M̄, with the norm and the bandwidth that a search finds for it over the whole domain.
 
     Attributes:
         norm: Largest norm of the condition.
@@ -50,7 +50,7 @@ class DesignLimit:
 
 @dataclass(frozen=True, eq=False)
 class ArmaturePurchase:
-    """What added armature would buy.
+    """How far the least norm would fall if armature were added.
 
     Attributes:
         where: A joint, or ``every joint``.
@@ -80,7 +80,7 @@ class WeightedDesign:
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class DesignReport(Shown):
-    """The M̄ that was found, what it is worth, and what limits it.
+    """The M̄ that was found, how good it is, and what limits it.
 
     Attributes:
         hypotheses: What the verdict is about: arm, condition, armature, payload, locked joints, box, and the M̄ if there

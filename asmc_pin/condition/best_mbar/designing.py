@@ -52,9 +52,9 @@ def design(
 ) -> DesignReport:
     """Find M̄ by a convex program with an exchange of worst configurations.
 
-    The program sees a few configurations and so bounds from below what any M̄ can reach, rigorously (`dual_bound`); the
-    search over the whole box says what its M̄ is worth. They meet to a thousandth of 1 − γ, or the report shows how far
-    apart they stayed.
+    The program has a few configurations only. So it bounds from below what any M̄ can reach, rigorously (`dual_bound`).
+    The search over the whole box gives the norm of the program's M̄. The two meet to a thousandth of 1 − γ, or the
+    report shows how far apart they stayed.
 
     Args:
         arm: The arm.

@@ -57,15 +57,15 @@ def certify(
 ) -> CertificateResult:
     """Prove or refute a condition over a whole joint box, or in a tube around a motion.
 
-    Search finds a factor of M̄ at which the condition breaks; proofs raise a factor at which it holds, until the two are
-    within `gap` of each other and M̄ itself is decided. Then, where it holds, lower and lower levels γ of the norm are
-    proven. Whenever it stops, by its budget or by an interrupt from the keyboard, the result says what is proven.
+    A search finds a factor of M̄ at which the condition breaks. Proofs raise a factor at which it holds, until the two
+    are within `gap` of each other and M̄ itself is decided. Then, where it holds, lower and lower levels γ of the norm
+    are proven. Whenever it stops, by its budget or by an interrupt from the keyboard, the result says what is proven.
 
     Args:
         arm: The arm.
         mbar: Diagonal of M̄, one value or nv of them, kg·m².
         condition: ``lemma1``: ‖I − M⁻¹M̄‖₂ < 1. ``weighted``: max|1 − λ(M⁻¹M̄)| < 1, that is M̄ ≺ 2M.
-        gap: Relative distance of the scales proven and refuted at which to be content, in (0, 1).
+        gap: Relative distance of the scales proven and refuted at which to stop, in (0, 1).
         budget: Wall time after which to stop, s; compiling, once after installation, is not counted.
         level: Ask for norm < level in place of norm < 1, in (0, 1]; then nothing is said about multiples of M̄.
         levels: Whether to lower the proven bound of the norm below 1, in at most twice the time of the scale's proof.

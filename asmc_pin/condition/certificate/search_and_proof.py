@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def certified(report: ConditionReport, result: CertificateResult) -> ConditionReport:
-    """What a search and a proof say together.
+    """Join what a search and a proof say about the same question.
 
     Args:
         report: Of `verify` over a joint box, or in a tube.

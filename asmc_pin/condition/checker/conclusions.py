@@ -38,7 +38,7 @@ class Witness:
 
 @dataclass(frozen=True)
 class Conclusion:
-    """What is shown.
+    """What the statements of a certificate show about M̄.
 
     Attributes:
         verdict: About M̄ itself, at the level of the header.

@@ -25,7 +25,7 @@ _SAID = {
 
 @dataclass(frozen=True)
 class LoopConclusion:
-    """What is shown of the loop.
+    """What the statements of a certificate show about the sampled loop.
 
     Attributes:
         verdict: ``stable``, ``unstable`` or ``undecided``.

@@ -44,7 +44,7 @@ class CheckedStatement:
 
 @dataclass(frozen=True, repr=False)
 class CheckResult:
-    """What replaying a certificate came to; all of it derived from the arm and the statements inside.
+    """The outcome of checking a certificate; all of it is derived from the arm and the statements inside.
 
     Attributes:
         path: The file.

@@ -61,7 +61,7 @@ class _Arms:
 
 
 def check(path: str | Path, *, progress: Callable[[str, float], None] | None = None) -> CheckResult:
-    """Replay a certificate.
+    """Check a certificate: prove its statements again by other routes, and derive from them what follows.
 
     Args:
         path: The file that `CertificateResult.save` wrote.

@@ -31,7 +31,7 @@ _HALVINGS = 16
 
 @dataclass(frozen=True)
 class Spots:
-    """What was evaluated.
+    """What was evaluated in ball arithmetic, and whether the condition was so there.
 
     Attributes:
         points: Configurations.

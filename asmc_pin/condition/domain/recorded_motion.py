@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """What a robot logged.
+    """What was logged while an arm moved.
 
     Attributes:
         name: Where it comes from.
@@ -45,7 +45,7 @@ class Recording:
 
 
 def read_recording(path: str | Path, arm: Arm) -> Recording:
-    """Read a CSV file of a robot's log.
+    """Read the log of an arm from a CSV file.
 
     The header names the columns: ``t`` or ``time`` in s; per joint ``q1`` … or ``q_<joint>`` in rad; and, as far as
     they were logged, ``v1`` … or ``v_<joint>`` in rad/s and ``tau1`` … or ``tau_<joint>`` in N·m. Others are ignored.

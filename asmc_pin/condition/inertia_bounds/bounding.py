@@ -57,7 +57,7 @@ def bounds(
         arm: The arm.
         scaling: Diagonal of S, one value or nv of them: q̇ = S x. With different units or sizes of joints the
             eigenvalues of M alone mean little.
-        gap: Relative distance of proven and found at which to be content, in (0, 1).
+        gap: Relative distance of proven and found at which to stop, in (0, 1).
         budget: Wall time for the proofs, s, half of it for each; compiling, once after installation, is not counted.
         box: {joint: (lo, hi)} in rad (m where prismatic); the other joints keep the arm's own range.
         payload: A payload, or a tuple of two: every mass between (same centre) is covered by its ends.

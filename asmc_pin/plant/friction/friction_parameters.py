@@ -14,7 +14,7 @@ from asmc_pin.plant.per_trial import per_trial
 
 
 class VelocityTerm(PerTrial):
-    """A coefficient of a term that adds to friction's level while a joint moves; a field of `Friction`, complete.
+    """A field of `Friction`: the coefficient of a term that is added to the level of friction while a joint moves.
 
     Attributes:
         level: (coefficient, velocity), both (batch, nv), to what it adds, (batch, nv), N·m (N); not negative, and 0 at
