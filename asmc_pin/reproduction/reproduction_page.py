@@ -8,6 +8,7 @@ from typing import Any
 
 from asmc_pin.pages.summary_tables import Table, markdown_table, number
 from asmc_pin.reproduction.readings_page import cannot_hold, search_section, words
+from asmc_pin.words.line_width import wrap_prose
 from asmc_pin.words.media import for_cell
 
 _TUNED = " tuned"
@@ -64,7 +65,7 @@ def page(data: Mapping[str, Any], figures: str) -> str:
     parts += ["## Figures", "", *_figures(data, figures)]
     parts += ["## Tuned gains", "", *_gains(data)]
     parts += ["## What this cannot tell", "", _LIMITATIONS]
-    return "\n".join(parts).rstrip("\n") + "\n"
+    return wrap_prose("\n".join(parts).rstrip("\n") + "\n")
 
 
 def summary_lines(data: Mapping[str, Any]) -> list[str]:
@@ -84,8 +85,7 @@ def _tuned_lines(data: Mapping[str, Any]) -> Iterator[str]:
         means = [f"{label} {_number(_mean(values))}" for label, values in runs.items()]
         yield (
             f"Table {item['table']}, {item['set']}, tuned with the same budget and limit of chatter: geometric mean "
-            "of the "
-            f"joints' RMS errors in deg, {', '.join(means)}"
+            f"of the joints' RMS errors in deg, {', '.join(means)}"
         )
 
 
