@@ -85,6 +85,12 @@ class SampledLoop:
         beta = f"{self.beta[0]:.10g}" if np.all(self.beta == self.beta[0]) else listed(self.beta)
         return (
             f"M̄ = {listed(self.mbar)} kg·m², K_s = {listed(self.ks)} 1/s, β = {beta} 1/s, L = {self.period:g} s, "
+            f"{self.timing_words()}"
+        )
+
+    def timing_words(self) -> str:
+        """What it makes of its sensor, and its delay, for a person to read."""
+        return (
             f"acceleration from {self.acceleration}"
             + ("" if self.filter_hz is None else f" through a filter of {self.filter_hz:g} Hz")
             + f" {self._sensor_words()}, delay {self.delay:g} periods ({1e3 * self.delay * self.period:.3g} ms)"

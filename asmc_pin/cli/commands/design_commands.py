@@ -48,7 +48,8 @@ from asmc_pin.words.choices import Acceleration, Form, Objective
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
-    from asmc_pin.sampled import LoopProof, SampledLoop
+    from asmc_pin.sampled import LoopProof, SampledLoop, StabilityReport
+    from asmc_pin.sampled.gain_choice.gain_design import GainDesign
 
 AccelerationOption: TypeAlias = Annotated[
     Acceleration, typer.Option("--acceleration", metavar="velocity|position", help="How q̈(t−L) is estimated.")
@@ -88,6 +89,21 @@ def design(
     acceleration: AccelerationOption = "velocity",
     filter_hz: FilterOption = None,
     delay: DelayOption = 0.0,
+    velocity: VelocityOption = None,
+    velocity_filter_hz: VelocityFilterOption = None,
+    pairing: PairingOption = "matched",
+    encoder_bits: EncoderBitsOption = None,
+    encoder_side: EncoderSideOption = "joint",
+    gear: GearOption = None,
+    velocity_noise: VelocityNoiseOption = None,
+    torque_noise: TorqueNoiseOption = None,
+    noise_budget: Annotated[
+        str | None,
+        typer.Option(
+            metavar="N1,N2,…",
+            help="Torque RMS that noise may make, N·m per joint, for --gains: filter_hz is chosen too.",
+        ),
+    ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of the searches.")] = 0,
     certify: CertifyOption = False,
     gap: GapOption = 0.01,
@@ -101,12 +117,18 @@ def design(
     gravity: GravityOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Find the M̄ of least contraction, or of the fastest estimate. Exit status 1 when none satisfies the condition."""
+    """Find the M̄ of least contraction, or of the fastest estimate. Exit status 1 when none satisfies the condition.
+
+    With --gains --certify it is also said what is proven of the gains' loop. Sensor options count for --gains.
+    """
     page = report_path(report)
     check_proof_options(certify, certificate)
     if gains and period is None:
         raise ParameterError("--gains", "needs the control period: add --period 0.001, in seconds")
+    if noise_budget is not None and not gains:
+        raise ParameterError("--noise-budget", "is for gains: add --gains and --period")
     limits, ranges = parse_bounds(bounds), parse_box(box)
+    allowed = None if noise_budget is None else per_joint(noise_budget, "--noise-budget")
     length = None if period is None else number(period, "--period")
     losses = None if coulomb is None else per_joint(coulomb, "--coulomb")
     if length is not None:
@@ -114,6 +136,20 @@ def design(
 
         check_period(length, "--period")
     loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
+    sensor = sensor_of(
+        loaded.nv,
+        velocity=velocity,
+        velocity_filter_hz=velocity_filter_hz,
+        encoder_bits=encoder_bits,
+        encoder_side=encoder_side,
+        gear=gear,
+        velocity_noise=velocity_noise,
+        torque_noise=torque_noise,
+    )
+    if allowed is not None and not sensor.noisy:
+        raise ParameterError(
+            "--noise-budget", "needs the noise: add --encoder-bits, --velocity-noise or --torque-noise"
+        )
     from asmc_pin.condition import design as run
 
     options: dict[str, Any] = {"condition": condition, "objective": objective, "form": form, "level": level}
@@ -142,12 +178,17 @@ def design(
             acceleration=acceleration,
             filter_hz=filter_hz,
             delay=delay,
+            sensor=sensor,
+            pairing=pairing,
+            noise_budget=allowed,
             gain_margin=gain_margin,
             delay_margin=delay_margin,
             coulomb=losses,
             box=ranges,
             **domain,
         )
+        if certify and suggested.report is not None:
+            suggested = _with_proof(loaded, suggested, suggested.report, budget=budget, box=ranges, **domain)
         content["gains"] = suggested.to_json_dict()
         # One M̄ is printed, that of the gains.
         lines = [*found.lines(with_mbar=False), *suggested.lines()]
@@ -249,6 +290,16 @@ def stability(
         say(*found.lines())
     open_question = found.proof is not None and found.proof.verdict == "undecided"
     raise typer.Exit(1 if not found.stable else 3 if open_question else 0)
+
+
+def _with_proof(arm: Arm, design: GainDesign, report: StabilityReport, **options: Any) -> GainDesign:
+    """The same gains with what can be proven of their loop, if it is one that proofs are made for."""
+    from asmc_pin.sampled.proof.loop_certificate import not_plain
+
+    odd = not_plain(report.loop)
+    if odd is not None:
+        return replace(design, unproven=": ".join(odd))
+    return replace(design, report=replace(report, proof=_proof_of(arm, report.loop, None, **options)))
 
 
 def _proof_of(arm: Arm, loop: SampledLoop, certificate: str | None, **options: Any) -> LoopProof:
