@@ -20,7 +20,7 @@ SLACK = 1.01
 _SAMPLES = 128
 _FINEST = 0.02  # of a joint's range: a variance is flat about its maximum
 _FIRST = 4
-_CORNERS = (0.1, 0.03, 0.01, 0.003)  # of the control rate
+_CORNERS = (0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002)  # of the control rate
 
 
 @dataclass

@@ -180,9 +180,10 @@ def not_plain(loop: SampledLoop) -> tuple[str, str] | None:
     """What of a loop no proof is made for, and why; None for the plain loop."""
     if not loop.modal:
         return "ks", "a proof needs one k_s and one β for all joints: only then do the modes separate"
+    gains_and_pair = ("mbar", "ks", "beta", "period", "pairing")
     plain = SampledLoop(loop.mbar, loop.ks, loop.beta, loop.period)
-    for name in (item.name for item in fields(SampledLoop) if item.name not in ("mbar", "ks", "beta", "period")):
+    for name in (item.name for item in fields(SampledLoop) if item.name not in gains_and_pair):
         given, expected = getattr(loop, name), getattr(plain, name)
         if given != expected:
             return name, f"{given!r} given; a proof is of the plain loop, with {expected!r}"
-    return None
+    return ("pairing", "a proof is of the plain loop, with the last torque") if loop.averages_torque else None
