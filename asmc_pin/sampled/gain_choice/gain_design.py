@@ -187,7 +187,7 @@ class GainDesign(Shown):
         asked = f"torque RMS of {_list(self.noise_budget)} N·m"
         if self.quiet:
             return [f"noise budget kept, where searched: {asked}"]
-        return [f"the noise budget cannot be had with these margins: {asked}; what was reached stands below"]
+        return [f"no gains that were tried with these margins keep to the noise budget: {asked}; reached: see below"]
 
     def _proof_lines(self) -> list[str]:
         """What is proven of the gains' loop; its margins are not."""

@@ -132,7 +132,7 @@ class GainSearch:
     def keeps(self, loop: SampledLoop, asked: Margins) -> bool:
         """Whether a loop keeps margins, and to the budget, on the points that decide."""
         torques = asked.torques
-        if self._modal_radius(loop, torques) >= 1.0:
+        if loop.undamped_delay <= asked.delay or self._modal_radius(loop, torques) >= 1.0:
             return False
         return (
             self.critical.radius_at_torques(loop, torques[:2]) < 1.0
