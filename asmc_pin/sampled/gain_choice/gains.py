@@ -18,12 +18,11 @@ from asmc_pin.sampled.error_prediction import drift_error, step_response
 from asmc_pin.sampled.frozen_arms import frozen_arms
 from asmc_pin.sampled.gain_choice.gain_design import ExpectedErrors, GainDesign
 from asmc_pin.sampled.gain_choice.gain_search import USEFUL, GainSearch, Margins, rank_of
+from asmc_pin.sampled.gain_choice.hindrances import armature_wanted, hindrances, loudness
 from asmc_pin.sampled.gain_choice.noise_budget import NoiseBudget, budget_of, filtered
 from asmc_pin.sampled.loop_analysis import examine, loop_for, spaces_of
 from asmc_pin.sampled.noise.sensor_model import LoopSensor
-from asmc_pin.sampled.remedies import ALTERNATION
 from asmc_pin.sampled.sampled_loop import Acceleration, Pairing, SampledLoop
-from asmc_pin.sampled.stability_report import angles
 from asmc_pin.sampled.workspace_worst import Workspace
 from asmc_pin.words.units import check_delay
 
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
 
 # Loops whose worst configurations a search begins with, as M̄'s scale, βL and k_sL: damped and stiff, slow and fast.
 _BEGINNINGS = ((0.25, 0.2, 3e-4), (0.25, 0.02, 0.02), (0.5, 0.5, 3e-3), (0.1, 0.02, 1e-4))
-_MOST_ARMATURE, _LEAST_ARMATURE = 1e2, 1e-2  # times M̄
 _AGAIN = 2
 
 
@@ -113,7 +111,7 @@ def suggest_gains(
     search = GainSearch(unit, _beginning(spaces, unit), least=0.05 if scale_mbar else 1.0)
     chosen = _chosen(search, asked) if budget is None else _within(search, asked, budget)
     if chosen is None:
-        why, wanted = _hindrances(search.critical, _slow(unit), Margins((1.0, 1.0), 0.0)), _armature(search, asked)
+        why, wanted = hindrances(search.critical, _slow(unit), Margins((1.0, 1.0), 0.0)), armature_wanted(search, asked)
         return GainDesign(arms.about, unit, asked, None, None, why, wanted, limit)
     report = examine(spaces, chosen, limits=True, known=list(search.critical.points), sensor=sensor)
     for _ in range(_AGAIN):
@@ -132,11 +130,11 @@ def suggest_gains(
         return design
     # What stands against more: the margins asked for, or with them a faster k_s.
     faster = chosen if not design.met else chosen.scaled(ks=max(1.0, USEFUL / float(chosen.ks[0])))
-    why = _hindrances(search.critical, faster, asked)
+    why = hindrances(search.critical, faster, asked)
     if budget is not None:
         # Armature is looked for without a thought for noise, so it is no answer to a budget.
-        return replace(design, why=(*why, *_loudness(budget, faster)))
-    return replace(design, why=why, armature=_armature(search, asked))
+        return replace(design, why=(*why, *loudness(budget, faster)))
+    return replace(design, why=why, armature=armature_wanted(search, asked))
 
 
 def _chosen(search: GainSearch, asked: Margins) -> SampledLoop | None:
@@ -166,15 +164,6 @@ def _within(search: GainSearch, asked: Margins, budget: NoiseBudget) -> SampledL
     return _chosen(search, asked) if found is None else found
 
 
-def _loudness(budget: NoiseBudget, loop: SampledLoop) -> tuple[str, ...]:
-    """How far a loop is from keeping a budget, in a sentence; none where it keeps it."""
-    share = budget.share(loop)
-    if share <= 1.0:
-        return ()
-    said = f"{share:.3g} times what one joint may have" if math.isfinite(share) else "no stationary noise at all"
-    return (f"with β = {loop.beta[0]:.3g}, k_s = {loop.ks[0]:.3g} 1/s the noise budget is not kept: {said}",)
-
-
 def _beginning(spaces: tuple[Workspace, ...], unit: SampledLoop) -> Critical:
     """The configurations that decide about loops of very different gains."""
     begin = [unit.scaled(mbar=scale, beta=beta / unit.period, ks=ks / unit.period) for scale, beta, ks in _BEGINNINGS]
@@ -185,65 +174,6 @@ def _beginning(spaces: tuple[Workspace, ...], unit: SampledLoop) -> Critical:
 def _slow(unit: SampledLoop) -> SampledLoop:
     scale, beta, ks = _BEGINNINGS[0]
     return unit.scaled(mbar=scale, beta=beta / unit.period, ks=ks / unit.period)
-
-
-def _hindrances(critical: Critical, loop: SampledLoop, asked: Margins) -> tuple[str, ...]:
-    """Where a loop fails margins, a sentence each."""
-    gains = f"with β = {loop.beta[0]:.3g}, k_s = {loop.ks[0]:.3g} 1/s"
-    low, high = asked.gain
-    torques = [(f"{x:.3g} times the torque", loop.scaled(mbar=x)) for x in dict.fromkeys((low, high))]
-    late = (
-        [(f"{asked.delay:.3g} periods more delay", replace(loop, delay=loop.delay + asked.delay))]
-        if asked.delay
-        else []
-    )
-    said = []
-    for how, other in (*torques, *late):
-        radius, point = critical.worst(other)
-        if radius < 1.0:
-            continue
-        if other.undamped_delay == 0.0:
-            said.append(f"with {how} {ALTERNATION}, whatever the gains")
-            continue
-        arms = critical.spaces[0].arms
-        alone = np.append(point[:-1], 0.0)[None]
-        heavy = point[-1] > 0.0 and float(critical.spaces[0].radii(other, alone)[0]) < 1.0
-        cause = "gravity drives it away" if heavy else "it is unstable by inertia alone"
-        said.append(f"{gains} and {how} {cause} at q = {angles(arms.q(point))} rad (spectral radius {radius:.6f})")
-    return tuple(said)
-
-
-def _armature(search: GainSearch, asked: Margins) -> Array | None:
-    """The armature, in proportion to M̄, that allows a useful k_s with the margins; None if 100 times M̄ is not enough.
-
-    With κM̄ more on the joints every multiple of M̄ up to 1 + 2κ keeps the condition that M̄ keeps, so M̄ need not be
-    designed again: docs/stability.md.
-    """
-    unit, critical = search.loop, search.critical
-
-    def laden(share: float) -> GainSearch:
-        more = share * unit.mbar
-        arms = critical.spaces[0].arms
-        heavier = replace(arms, armature_lower=arms.armature_lower + more, armature_upper=arms.armature_upper + more)
-        spaces = tuple(replace(space, arms=heavier, points=_shifted(space.points, more)) for space in critical.spaces)
-        largest = 1.0 + 2.0 * share if search.least < search.largest else search.largest
-        return GainSearch(unit, Critical(spaces, _shifted(critical.points, more)), largest, search.least)
-
-    low, high = _LEAST_ARMATURE, _MOST_ARMATURE
-    if not laden(high).possible(asked, USEFUL):
-        return None
-    while high / low > 1.1:
-        middle = math.sqrt(low * high)
-        low, high = (low, middle) if laden(middle).possible(asked, USEFUL) else (middle, high)
-    while high <= _MOST_ARMATURE and laden(high).with_margins(asked, USEFUL) is None:
-        high *= 1.1
-    return high * unit.mbar if high <= _MOST_ARMATURE else None
-
-
-def _shifted(points: Array, more: Array) -> Array:
-    shifted = points.copy()
-    shifted[:, -1 - more.size : -1] += more
-    return shifted
 
 
 def _expected(

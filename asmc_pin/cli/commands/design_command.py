@@ -1,16 +1,16 @@
-"""`asmc-pin design` and `asmc-pin stability`: the best M̄, and the gains that a sampled loop bears."""
+"""`asmc-pin design`: the best M̄, and the gains that a sampled loop with it bears."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from asmc_pin.cli import interrupt
 from asmc_pin.cli.app import app
 from asmc_pin.cli.commands.condition_commands import EXIT, check_proof_options, prove, report_path, write_page
-from asmc_pin.cli.console import note, print_json, progress_bar, say
+from asmc_pin.cli.console import print_json, progress_bar, say
+from asmc_pin.cli.loop_options import AccelerationOption, DelayOption, FilterOption, loop_proof_of
 from asmc_pin.cli.options import (
     ArmArgument,
     ArmatureOption,
@@ -23,7 +23,6 @@ from asmc_pin.cli.options import (
     GravityOption,
     JsonOption,
     LockOption,
-    MbarOption,
     PayloadOption,
     ReportOption,
     number,
@@ -44,22 +43,12 @@ from asmc_pin.cli.sensor_options import (
     sensor_of,
 )
 from asmc_pin.errors import ParameterError
-from asmc_pin.words.choices import Acceleration, Form, Objective
+from asmc_pin.words.choices import Form, Objective
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
-    from asmc_pin.sampled import LoopProof, SampledLoop, StabilityReport
+    from asmc_pin.sampled import StabilityReport
     from asmc_pin.sampled.gain_choice.gain_design import GainDesign
-
-AccelerationOption: TypeAlias = Annotated[
-    Acceleration, typer.Option("--acceleration", metavar="velocity|position", help="How q̈(t−L) is estimated.")
-]
-FilterOption: TypeAlias = Annotated[
-    float | None, typer.Option("--filter-hz", metavar="HZ", help="First-order low-pass on that estimate.")
-]
-DelayOption: TypeAlias = Annotated[
-    float, typer.Option("--delay", metavar="PERIODS", help="Transport delay of the torque, fractions allowed.")
-]
 
 
 @app.command()
@@ -119,7 +108,8 @@ def design(
 ) -> None:
     """Find the M̄ of least contraction, or of the fastest estimate. Exit status 1 when none satisfies the condition.
 
-    With --gains --certify it is also said what is proven of the gains' loop. Sensor options count for --gains.
+    With --gains --certify it is also said what is proven of the gains' loop; 1 too where that refutes what a search
+    found stable. Sensor options count for --gains.
     """
     page = report_path(report)
     check_proof_options(certify, certificate)
@@ -167,7 +157,7 @@ def design(
         check = prove(loaded, list(found.check.mbar), found.check, certificate, **proof, **domain)
         found = replace(found, check=check, verdict=check.verdict)
     write_page(found, loaded, page)
-    content, lines = found.to_json_dict(), found.lines()
+    content, lines, refuted = found.to_json_dict(), found.lines(), False
     if length is not None and gains and found.mbar is not None:
         from asmc_pin.sampled.gain_choice.gains import suggest_gains
 
@@ -189,6 +179,7 @@ def design(
         )
         if certify and suggested.report is not None:
             suggested = _with_proof(loaded, suggested, suggested.report, budget=budget, box=ranges, **domain)
+            refuted = suggested.report is not None and not suggested.report.stable
         content["gains"] = suggested.to_json_dict()
         # One M̄ is printed, that of the gains.
         lines = [*found.lines(with_mbar=False), *suggested.lines()]
@@ -196,100 +187,7 @@ def design(
         print_json(content)
     else:
         say(*lines)
-    raise typer.Exit({"infeasible": 1, **EXIT}[found.verdict])
-
-
-@app.command()
-def stability(
-    arm: ArmArgument,
-    mbar: MbarOption,
-    ks: Annotated[str, typer.Option(metavar="K1,K2,…", help="Diagonal of K_s, 1/s, or one value for all joints.")],
-    beta: Annotated[str, typer.Option(metavar="B", help="β, 1/s.")],
-    period: Annotated[str, typer.Option(metavar="S", help="Control period L.")],
-    acceleration: AccelerationOption = "velocity",
-    filter_hz: FilterOption = None,
-    delay: DelayOption = 0.0,
-    velocity: VelocityOption = None,
-    velocity_filter_hz: VelocityFilterOption = None,
-    pairing: PairingOption = "matched",
-    encoder_bits: EncoderBitsOption = None,
-    encoder_side: EncoderSideOption = "joint",
-    gear: GearOption = None,
-    velocity_noise: VelocityNoiseOption = None,
-    torque_noise: TorqueNoiseOption = None,
-    box: BoxOption = None,
-    payload: PayloadOption = None,
-    armature: ArmatureOption = None,
-    lock: LockOption = None,
-    gravity: GravityOption = None,
-    certify: CertifyOption = False,
-    budget: BudgetOption = 60.0,
-    certificate: CertificateOption = None,
-    figures: Annotated[
-        str | None,
-        typer.Option(metavar="DIR", help="Draw the stable region, over β and k_s and over L, into this folder."),
-    ] = None,
-    report: Annotated[
-        str | None,
-        typer.Option("--report", metavar="FILE", help="Write a page: how slow may it run? .html or .md."),
-    ] = None,
-    as_json: JsonOption = False,
-) -> None:
-    """Analyse the sampled loop, frozen over the workspace. Exit status 1 when it is unstable somewhere.
-
-    With --certify it is proven, without gravity, to be stable at every configuration of the box; 3: neither proven nor
-    refuted within the budget.
-    """
-    check_proof_options(certify, certificate)
-    page = report_path(report)
-    values, slopes, ranges = per_joint(mbar, "--mbar"), per_joint(ks, "--ks"), parse_box(box)
-    rate, length = number(beta, "--beta"), number(period, "--period")
-    loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
-    sensor = sensor_of(
-        loaded.nv,
-        velocity=velocity,
-        velocity_filter_hz=velocity_filter_hz,
-        encoder_bits=encoder_bits,
-        encoder_side=encoder_side,
-        gear=gear,
-        velocity_noise=velocity_noise,
-        torque_noise=torque_noise,
-    )
-    from asmc_pin.sampled import stability as run
-
-    found = run(
-        loaded,
-        values,
-        slopes,
-        rate,
-        length,
-        acceleration=acceleration,
-        filter_hz=filter_hz,
-        delay=delay,
-        sensor=sensor,
-        pairing=pairing,
-        box=ranges,
-        **domain,
-    )
-    if certify:
-        found = replace(found, proof=_proof_of(loaded, found.loop, certificate, budget=budget, box=ranges, **domain))
-    if figures is not None:
-        from asmc_pin.pages.stability_figures import save_figures
-
-        for path in save_figures(loaded, found.loop, figures, box=ranges):
-            note(f"wrote {path}")
-    if page is not None:
-        from asmc_pin.pages.stability_page import write_stability_page
-        from asmc_pin.sampled.frozen_arms import frozen_arms
-
-        write_stability_page(found, frozen_arms(loaded, ranges, **domain), page, sensor=sensor)
-        note(f"report: {page}")
-    if as_json:
-        print_json(found.to_json_dict())
-    else:
-        say(*found.lines())
-    open_question = found.proof is not None and found.proof.verdict == "undecided"
-    raise typer.Exit(1 if not found.stable else 3 if open_question else 0)
+    raise typer.Exit(1 if refuted else {"infeasible": 1, **EXIT}[found.verdict])
 
 
 def _with_proof(arm: Arm, design: GainDesign, report: StabilityReport, **options: Any) -> GainDesign:
@@ -299,24 +197,4 @@ def _with_proof(arm: Arm, design: GainDesign, report: StabilityReport, **options
     odd = not_plain(report.loop)
     if odd is not None:
         return replace(design, unproven=": ".join(odd))
-    return replace(design, report=replace(report, proof=_proof_of(arm, report.loop, None, **options)))
-
-
-def _proof_of(arm: Arm, loop: SampledLoop, certificate: str | None, **options: Any) -> LoopProof:
-    """What can be proven of a loop without gravity; after Ctrl-C undecided."""
-    from asmc_pin.sampled.proof.loop_certificate import certify_loop
-
-    budget = options["budget"]
-    with interrupt.stopping_short() as go_on, progress_bar() as show:
-
-        def tell(state: Any) -> None:
-            go_on()
-            show(f"proving the {state.trying} of M against M̄", min(state.seconds / budget, 1.0))
-
-        proof = certify_loop(arm, loop, progress=tell, **options)
-    if certificate is not None:
-        if proof.verdict != "undecided":
-            note(f"certificate: {proof.save(certificate)}")
-        else:
-            note(f"nothing is proven, so no certificate was written to {certificate}")
-    return proof
+    return replace(design, report=replace(report, proof=loop_proof_of(arm, report.loop, None, **options)))
