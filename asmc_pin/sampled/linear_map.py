@@ -191,8 +191,9 @@ def spectral_radius(
 ) -> Array:
     """Spectral radius of the frozen loop, shape (...).
 
-    Takes one mode at a time where that is exact (K_s and β multiples of the identity, neither viscous friction nor
-    stiffness); the two ways give the same figure.
+    Where an alternating torque goes on for ever (`SampledLoop.undamped_delay`) it is at least 1, and not what rounding
+    makes of a pole at −1; viscous friction may damp it. Takes one mode at a time where that is exact (K_s and β
+    multiples of the identity, neither viscous friction nor stiffness); the two ways give the same figure.
 
     Raises:
         NotPositiveDefinite: a matrix of `mass` is not positive definite.
@@ -200,11 +201,16 @@ def spectral_radius(
     ratios = inertia_ratios(mass, loop.mbar)
     if loop.modal and viscous is None and stiffness is None:
         return np.asarray(modal_radius(ratios, loop).max(axis=-1))
-    return closed_loop(mass, loop, viscous=viscous, stiffness=stiffness).spectral_radius()
+    radius = closed_loop(mass, loop, viscous=viscous, stiffness=stiffness).spectral_radius()
+    return radius if viscous is not None else _undamped(radius, loop)
 
 
 def modal_radius(ratios: Array, loop: SampledLoop) -> Array:
     """Spectral radius of single modes with eigenvalues a of M⁻¹M̄, the shape of `ratios`; `loop` needs K_s = k_s I."""
     if not loop.modal:
         raise ParameterError("ks", "modes separate only when every joint has the same k_s and β; use spectral_radius")
-    return closed_loop(1.0 / ratios[..., None, None], loop.mode).spectral_radius()
+    return _undamped(closed_loop(1.0 / ratios[..., None, None], loop.mode).spectral_radius(), loop)
+
+
+def _undamped(radius: Array, loop: SampledLoop) -> Array:
+    return np.maximum(radius, 1.0) if loop.undamped_delay == 0.0 else radius

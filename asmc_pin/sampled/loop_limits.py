@@ -89,6 +89,9 @@ def margins_of(critical: Critical, loop: SampledLoop) -> tuple[Ends, float]:
         return (math.nan, math.nan), math.nan
     gain = stable_range(critical, lambda x: loop.scaled(mbar=x), grid(1.0, 1.0 / _SPAN), grid(1.0, _SPAN))
     later = np.append(_NO_DELAY, grid(_SHORTEST_DELAY, DELAY_SPAN))
+    if loop.undamped_delay < DELAY_SPAN:
+        # A single value, which bisection would pass over.
+        later = np.append(later[later < loop.undamped_delay], loop.undamped_delay)
     low, high = stable_range(critical, lambda x: replace(loop, delay=loop.delay + x), later[:1], later)
     return gain, high if low == 0.0 else 0.0
 

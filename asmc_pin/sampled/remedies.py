@@ -10,9 +10,14 @@ from asmc_pin.words.text import rounded_down, rounded_up
 
 _FURTHEST = 1e4
 
+ALTERNATION = "a torque that alternates from tick to tick goes on for ever, for it moves no angle at the ticks"
+"""Why `SampledLoop.undamped_delay` is an end."""
+
 
 def remedy(critical: Critical, loop: SampledLoop) -> str:
     """What a search found that helps an unstable loop; `critical` grows."""
+    if loop.undamped_delay == 0.0:
+        return f'{ALTERNATION}; pair the estimate with the mean of the last two (pairing = "mean")'
     gains = gain_range(critical, loop)
     if gains != NOWHERE:
         return (

@@ -15,6 +15,8 @@ from asmc_pin.words.choices import Acceleration as Acceleration
 from asmc_pin.words.choices import Pairing as Pairing
 from asmc_pin.words.choices import Velocity as Velocity
 
+_SAME_DELAY = 1e-9  # periods
+
 
 @dataclass(frozen=True)
 class SampledLoop:
@@ -85,6 +87,12 @@ class SampledLoop:
         beta = f"{self.beta[0]:.10g}" if np.all(self.beta == self.beta[0]) else listed(self.beta)
         return (
             f"M̄ = {listed(self.mbar)} kg·m², K_s = {listed(self.ks)} 1/s, β = {beta} 1/s, L = {self.period:g} s, "
+            f"{self.timing_words()}"
+        )
+
+    def timing_words(self) -> str:
+        """What it makes of its sensor, and its delay, for a person to read."""
+        return (
             f"acceleration from {self.acceleration}"
             + ("" if self.filter_hz is None else f" through a filter of {self.filter_hz:g} Hz")
             + f" {self._sensor_words()}, delay {self.delay:g} periods ({1e3 * self.delay * self.period:.3g} ms)"
@@ -129,6 +137,19 @@ class SampledLoop:
         1 + d, and ½ more for the mean of two.
         """
         return 1.0 + self.delay + (0.5 if self.averages_torque else 0.0)
+
+    @property
+    def undamped_delay(self) -> float:
+        """Delay that may come on top before a torque that alternates from tick to tick goes on for ever, periods.
+
+        Such a torque moves no angle at the ticks, and so no v by difference: nothing is fed back of it. The last torque
+        reported 1, 3, … periods late is again the same half of it, so z = −1 is a pole whatever M and the gains are.
+        0 where that is so already, inf where it never is; the mean of two torques is 0, and a measured v sees it.
+        """
+        if self.velocity != "difference" or self.averages_torque or self.reading_delay % 1.0 != 0.0:
+            return math.inf
+        after = (1.0 - self.delay) % 2.0
+        return 0.0 if min(after, 2.0 - after) < _SAME_DELAY else after
 
     @property
     def velocity_smoothing(self) -> float:

@@ -98,6 +98,79 @@ def test_margins_that_cannot_be_had_are_status_0_with_those_that_can(asmc_pin):
     assert "where searched: torque gain" in out
 
 
+def test_what_is_proven_of_the_gains_is_told_and_the_margins_are_not(asmc_pin):
+    options = ("--gains", "--period", "0.001", "--payload", "0:1", "--certify", "--json")
+    status, out, err = asmc_pin("design", "two_link", *options)
+    assert status == 0, err
+    gains = json.loads(out)["gains"]
+    proof = gains["proof"]
+    assert proof["verdict"] == "stable"
+    assert proof["about"] == "the loop frozen at every q of the box, without gravity"
+    assert gains["kind"] == "certified"
+    low, high = proof["stable_between"]
+    assert low < proof["seen_between"][0] < proof["seen_between"][1] < high
+
+
+def test_a_loop_that_no_proof_is_made_for_is_searched_and_the_status_is_that_of_mbar(asmc_pin):
+    options = ("design", "two_link", "--gains", "--period", "0.001", "--certify", "--encoder-bits", "17")
+    status, out, err = asmc_pin(*options, "--json")
+    assert status == 0, err
+    report = json.loads(out)
+    assert report["kind"] == "certified"
+    assert report["gains"]["proof"]["verdict"] == "searched"
+    assert report["gains"]["kind"] == "searched"
+    assert report["gains"]["velocity"] == "difference"
+    status, out, _ = asmc_pin(*options)
+    assert "searched, not proven: velocity: 'difference' given" in out
+
+
+def test_without_certify_no_proof_is_spoken_of_and_the_pid_stands_beside_the_gains(asmc_pin):
+    status, out, _ = asmc_pin("design", "two_link", "--gains", "--period", "0.001", "--json")
+    assert status == 0
+    gains = json.loads(out)["gains"]
+    assert gains["proof"] is None
+    beta, ks = gains["beta"], gains["ks"][0]
+    np.testing.assert_allclose(gains["pid"]["k"], np.array(gains["mbar"]) * (beta + ks) / 0.001)
+    assert gains["pid"]["ti"] == pytest.approx((beta + ks) / (beta * ks))
+    assert gains["pid"]["td"] == pytest.approx(1.0 / (beta + ks))
+
+
+def test_a_noise_budget_chooses_the_filter_too(asmc_pin):
+    options = (
+        "design",
+        "two_link",
+        "--gains",
+        "--period",
+        "0.001",
+        "--encoder-bits",
+        "17",
+        "--noise-budget",
+        "0.3,0.1",
+    )
+    status, out, err = asmc_pin(*options, "--json")
+    assert status == 0, err
+    gains = json.loads(out)["gains"]
+    assert gains["met"]
+    assert gains["noise_met"]
+    assert gains["filter_hz"] > 0.0
+    assert all(rms <= most for rms, most in zip(gains["torque_noise_rms"], [0.3, 0.1], strict=True))
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--noise-budget", "1", "--encoder-bits", "17"), "add --gains and --period"),
+        (("--gains", "--period", "0.001", "--noise-budget", "1"), "add --encoder-bits"),
+        (("--gains", "--period", "0.001", "--encoder-bits", "17", "--noise-budget", "1,2,3"), "noise_budget"),
+        (("--gains", "--period", "0.001", "--encoder-side", "motor"), "--gear"),
+    ],
+)
+def test_sensor_options_that_do_not_go_together_are_status_2(asmc_pin, options, said):
+    status, _, err = asmc_pin("design", "two_link", *options)
+    assert status == 2
+    assert said in err
+
+
 def test_stability_takes_the_ranges_that_design_takes(asmc_pin):
     ranges = ("--payload", "0:2", "--armature", "0,0.01:0.02", "--box", "joint_2=-1:1")
     status, out, err = asmc_pin("stability", "two_link", "--mbar", "0.02", *LOOP, *ranges, "--json")

@@ -178,6 +178,26 @@ def test_one_mode_at_a_time_gives_the_radius_of_the_full_map(timing: dict) -> No
     assert spectral_radius(MASS, loop) == pytest.approx(float(closed_loop(MASS, loop).spectral_radius()), abs=2e-9)
 
 
+@pytest.mark.parametrize("acceleration", get_args(Acceleration))
+@pytest.mark.parametrize(("delay", "age"), [(1.0, 0.0), (3.0, 0.0), (1.0, 2.0)])
+def test_an_alternating_torque_goes_on_for_ever_where_the_last_one_is_an_odd_number_of_periods_late(
+    acceleration: str, delay: float, age: float
+) -> None:
+    timing = {"velocity": "difference", "acceleration": acceleration, "reading_delay": age, "filter_hz": 35.0}
+    spring = np.array([[-9.0, 2.0, 0.0], [2.0, -4.0, 1.0], [0.0, 1.0, 3.0]])
+    loop = SampledLoop(MBAR, KS, 25.0, 0.002, delay=delay, pairing="last", **timing)
+    assert loop.undamped_delay == 0.0
+    matrix = closed_loop(MASS, loop, stiffness=spring).matrix
+    assert np.sum(np.abs(np.linalg.eigvals(matrix) + 1.0) < 1e-9) == 3
+    assert spectral_radius(MASS, loop, stiffness=spring) >= 1.0
+    # It is a single value of the delay, and the mean of two torques has none of it.
+    for other, after in (({"delay": delay + 0.6}, 1.4), ({"pairing": "mean"}, math.inf)):
+        changed = SampledLoop(MBAR, KS, 25.0, 0.002, **{"delay": delay, "pairing": "last", **timing, **other})
+        assert changed.undamped_delay == pytest.approx(after)
+        matrix = closed_loop(MASS, changed, stiffness=spring).matrix
+        assert np.abs(np.linalg.eigvals(matrix) + 1.0).min() > 1e-3
+
+
 @pytest.mark.parametrize("timing", TIMINGS, ids=str)
 def test_plant_s_substeps_converge_to_held_torque(timing: dict) -> None:
     loop = SampledLoop(MBAR, KS, 25.0, 0.002, **timing)

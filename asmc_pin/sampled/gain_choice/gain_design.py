@@ -10,12 +10,15 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.sampled.gain_choice.gain_search import USEFUL, Margins
+from asmc_pin.sampled.gain_choice.pid_tuning import pid_of
+from asmc_pin.sampled.noise.sensor_noise import NOISE_KEYS
 from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.sampled.stability_report import StabilityReport, margin_words
 from asmc_pin.words.shown import Shown
 from asmc_pin.words.text import rounded_up
 
-_KEPT = ("acceleration", "filter_hz", "delay", "spectral_radius", "rest_spectral_radius", "decay_rate")
+_TIMING = ("acceleration", "filter_hz", "delay", "velocity", "velocity_filter_hz", "reading_delay", "pairing")
+_KEPT = (*_TIMING, "kind", "spectral_radius", "rest_spectral_radius", "decay_rate", *NOISE_KEYS)
 _MARGINS = ("gain_margin", "gain_margin_db", "delay_margin_periods", "delay_margin_seconds", "period_max")
 
 
@@ -60,6 +63,8 @@ class GainDesign(Shown):
         why: What stands against the margins asked for, or against a useful k_s; a sentence each.
         armature: What each joint's armature would have to grow by for k_s of at least `USEFUL` with the margins asked
             for, shape (nv,), kg·m²; None where that is not needed, or not known.
+        noise_budget: RMS of torque that the sensor's noise was allowed, shape (nv,), N·m; None for any.
+        unproven: Why no proof of the loop was tried; empty where one was, or was not asked for.
     """
 
     about: Premises
@@ -69,6 +74,8 @@ class GainDesign(Shown):
     expected: ExpectedErrors | None
     why: tuple[str, ...]
     armature: Array | None
+    noise_budget: Array | None = None
+    unproven: str = ""
 
     @property
     def loop(self) -> SampledLoop:
@@ -103,6 +110,14 @@ class GainDesign(Shown):
         return self.reached is not None and self.reached.cover(self.asked)
 
     @property
+    def quiet(self) -> bool:
+        """Whether the noise found keeps to its budget, if there is one."""
+        if self.noise_budget is None:
+            return True
+        noise = None if self.report is None else self.report.noise
+        return noise is not None and bool((noise.torque_rms <= self.noise_budget).all())
+
+    @property
     def useful(self) -> bool:
         """Whether k_s is at least `USEFUL`."""
         return self.report is not None and bool(self.loop.ks.min() >= USEFUL)
@@ -120,6 +135,10 @@ class GainDesign(Shown):
             **{name: stable.get(name) for name in (*_KEPT, *_MARGINS)},
             "asked": {"gain_margin": list(self.asked.gain), "delay_margin_periods": self.asked.delay},
             "met": self.met,
+            "noise_budget": None if self.noise_budget is None else self.noise_budget.tolist(),
+            "noise_met": None if self.noise_budget is None else self.quiet,
+            "pid": None if self.report is None else pid_of(self.loop).to_json_dict(),
+            "proof": {"verdict": "searched", "reason": self.unproven} if self.unproven else stable.get("proof"),
             "useful": self.useful,
             "why": list(self.why),
             "armature_wanted": None if self.armature is None else self.armature.tolist(),
@@ -150,6 +169,7 @@ class GainDesign(Shown):
             if self.mbar_scale < 1.0
             else f"{title}: β = {self.loop.beta[0]:.6g} 1/s, k_s = {self.loop.ks[0]:.6g} 1/s, and this M̄:",
             mbar,
+            f"with {self.loop.timing_words()}",
             f"margins, at rest under gravity and of the inertia alone, where searched: {reached}",
         ]
         if not self.met:
@@ -157,11 +177,30 @@ class GainDesign(Shown):
         if not self.useful:
             constant = rounded_up(1.0 / float(self.loop.ks.min()), 3)
             said.append(f"of no use: errors die with a time constant of 1/k_s = {constant} s")
-        said += self.why
-        return [*said, *self._armature_line(), *self.expected.lines()]
+        said += [*self._budget_line(), *self.why, *self._armature_line(), *self._proof_lines(), *self.expected.lines()]
+        noise = [] if self.report.noise is None else self.report.noise.lines(self.loop)
+        return [*said, *noise, pid_of(self.loop).line(self.loop)]
+
+    def _budget_line(self) -> list[str]:
+        if self.noise_budget is None:
+            return []
+        asked = f"torque RMS of {_list(self.noise_budget)} N·m"
+        if self.quiet:
+            return [f"noise budget kept, where searched: {asked}"]
+        return [f"no gains that were tried with these margins keep to the noise budget: {asked}; reached: see below"]
+
+    def _proof_lines(self) -> list[str]:
+        """What is proven of the gains' loop; its margins are not."""
+        if self.unproven:
+            return [f"searched, not proven: {self.unproven}"]
+        proof = None if self.report is None else self.report.proof
+        if proof is None:
+            return []
+        lines = [*proof.lines(), "the margins are searched, not proven"]
+        return [*lines, "so of the loop: stable where searched"] if proof.verdict == "undecided" else lines
 
     def _armature_line(self) -> list[str]:
-        if self.met and self.useful:
+        if (self.met and self.useful) or self.noise_budget is not None:
             return []
         if self.armature is None:
             return [f"no armature that was tried would allow these margins with k_s of {USEFUL:g} 1/s"]

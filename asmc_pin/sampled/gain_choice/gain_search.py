@@ -6,12 +6,13 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import product
+from itertools import islice, product
 
 import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.sampled.critical_points import Critical
+from asmc_pin.sampled.gain_choice.noise_budget import NoiseBudget
 from asmc_pin.sampled.linear_map import inertia_ratios, modal_radius
 from asmc_pin.sampled.loop_limits import margins_of
 from asmc_pin.sampled.sampled_loop import SampledLoop
@@ -23,6 +24,7 @@ _SLACK = 1.003  # the search asks for a little more, so that what is found after
 _SLOWEST = 0.1  # 1/s, of k_s: what takes longer than ten seconds to die is not controlled
 _SCALES, _BETAS, _SLOPES = 12, 20, 24
 _ROUNDS = 6
+_QUIET = 30  # loops with margins, the smallest m̄(β + k_s) first, among which the least noise is looked for
 
 Rank = tuple[bool, float]
 """Whether gains are useful, and how large m̄βk_s is."""
@@ -71,12 +73,14 @@ class GainSearch:
         critical: What decides; grows.
         largest: Largest scale of M̄.
         least: Smallest; the same where M̄ may not be scaled.
+        budget: Noise that the torque may have; None for any.
     """
 
     loop: SampledLoop
     critical: Critical
     largest: float = 1.0
     least: float = 0.05
+    budget: NoiseBudget | None = None
 
     def __post_init__(self) -> None:
         """No mode is known yet."""
@@ -94,9 +98,21 @@ class GainSearch:
             if found is None:
                 return None
             # The more points decide, the less is left; the climb may still end a little higher than before.
-            useful, size = _rank(found, self.loop)
+            useful, size = rank_of(found, self.loop)
             ceiling = useful, 1.1 * size
-            if Margins(*margins_of(self.critical, found)).cover(asked):
+            quiet = self.budget is None or self.budget.holds(found)
+            if Margins(*margins_of(self.critical, found)).cover(asked) and quiet:
+                break
+        return found
+
+    def with_least_noise(self, asked: Margins, noise: NoiseBudget) -> SampledLoop | None:
+        """Gains with margins and little noise, whatever the budget: the least of some with a small m̄(β + k_s)."""
+        found = None
+        for _ in range(_ROUNDS):
+            slow_first = sorted(self._candidates(), key=lambda loop: float(loop.mbar[0] * loop.kd[0]))
+            kept = (loop for loop in slow_first if self.keeps(loop, asked))
+            found = min(islice(kept, _QUIET), key=noise.share, default=None)
+            if found is None or Margins(*margins_of(self.critical, found)).cover(asked):
                 break
         return found
 
@@ -114,14 +130,15 @@ class GainSearch:
         return any(loop.ks[0] >= least_ks and self.keeps(loop, asked) for loop in self._candidates())
 
     def keeps(self, loop: SampledLoop, asked: Margins) -> bool:
-        """Whether a loop keeps margins on the points that decide."""
+        """Whether a loop keeps margins, and to the budget, on the points that decide."""
         torques = asked.torques
-        if self._modal_radius(loop, torques) >= 1.0:
+        if loop.undamped_delay <= asked.delay or self._modal_radius(loop, torques) >= 1.0:
             return False
         return (
             self.critical.radius_at_torques(loop, torques[:2]) < 1.0
             and all(self.critical.radius(replace(loop, delay=loop.delay + d)) < 1.0 for d in asked.delays)
             and self.critical.radius_at_torques(loop, torques[2:]) < 1.0
+            and (self.budget is None or self.budget.keeps(loop))
         )
 
     def _modal_radius(self, loop: SampledLoop, torques: Array) -> float:
@@ -139,16 +156,19 @@ class GainSearch:
         betas = np.geomspace(2.0 * slowest, fastest, _BETAS)
         # The map knows β + k_s and βk_s only: k_s ≤ β leaves nothing out.
         slopes = np.append(np.geomspace(slowest, fastest, _SLOPES), USEFUL)
-        for scale, beta, ks in product(scales, betas, slopes):
-            if ks <= beta:
-                yield self._at(float(scale), float(beta), float(ks))
+        for scale in scales:
+            # Noise grows with k_s too: a β that makes too much with the slowest k_s need not be tried with others.
+            some = [beta for beta in betas if self.budget is None or self.budget.keeps(self._at(scale, beta, slowest))]
+            for beta, ks in product(some, slopes):
+                if ks <= beta:
+                    yield self._at(float(scale), float(beta), float(ks))
 
     def _at(self, scale: float, beta: float, ks: float) -> SampledLoop:
         n = self.loop.nv
         return replace(self.loop, mbar=self.loop.mbar * scale, beta=np.full(n, beta), ks=np.full(n, ks))
 
     def _best(self, asked: Margins, ceiling: Rank, least_ks: float) -> SampledLoop | None:
-        ranked = [(_rank(loop, self.loop), i, loop) for i, loop in enumerate(self._candidates())]
+        ranked = [(rank_of(loop, self.loop), i, loop) for i, loop in enumerate(self._candidates())]
         for rank, _, loop in sorted(ranked, reverse=True):
             if rank <= ceiling and loop.ks[0] >= least_ks and self.keeps(loop, asked):
                 return self._refined(loop, asked, ceiling)
@@ -157,7 +177,7 @@ class GainSearch:
     def _refined(self, loop: SampledLoop, asked: Margins, ceiling: Rank) -> SampledLoop:
         """Climb along the boundary from the best of the grid."""
         at = np.log([loop.mbar[0] / self.loop.mbar[0], loop.beta[0], loop.ks[0]])
-        best, step = _rank(loop, self.loop), 0.2
+        best, step = rank_of(loop, self.loop), 0.2
         moves = np.array([move for move in product((-1.0, 0.0, 1.0), repeat=3) if any(move)])
         low, high = math.log(self.least), math.log(self.largest)
         while step > 0.01:
@@ -168,7 +188,7 @@ class GainSearch:
                 if ks > beta or beta > -math.log(self.loop.period):
                     continue
                 other = self._at(math.exp(scale), math.exp(beta), math.exp(ks))
-                rank = _rank(other, self.loop)
+                rank = rank_of(other, self.loop)
                 if best < rank <= ceiling and self.keeps(other, asked):
                     best, loop, reached = rank, other, np.array([scale, beta, ks])
             at, step = (at, 0.5 * step) if reached is None else (reached, step)
@@ -190,6 +210,6 @@ class GainSearch:
         return share, found
 
 
-def _rank(loop: SampledLoop, unit: SampledLoop) -> Rank:
+def rank_of(loop: SampledLoop, unit: SampledLoop) -> Rank:
     """What is made as large as possible; useful gains before all others."""
     return bool(loop.ks[0] >= USEFUL), float(loop.mbar[0] / unit.mbar[0] * loop.kp[0])

@@ -17,10 +17,12 @@ from asmc_pin.sampled.critical_points import Critical, critical_set
 from asmc_pin.sampled.error_prediction import drift_error, step_response
 from asmc_pin.sampled.frozen_arms import frozen_arms
 from asmc_pin.sampled.gain_choice.gain_design import ExpectedErrors, GainDesign
-from asmc_pin.sampled.gain_choice.gain_search import USEFUL, GainSearch, Margins
+from asmc_pin.sampled.gain_choice.gain_search import USEFUL, GainSearch, Margins, rank_of
+from asmc_pin.sampled.gain_choice.hindrances import armature_wanted, hindrances, loudness
+from asmc_pin.sampled.gain_choice.noise_budget import NoiseBudget, budget_of, filtered
 from asmc_pin.sampled.loop_analysis import examine, loop_for, spaces_of
-from asmc_pin.sampled.sampled_loop import Acceleration, SampledLoop
-from asmc_pin.sampled.stability_report import angles
+from asmc_pin.sampled.noise.sensor_model import LoopSensor
+from asmc_pin.sampled.sampled_loop import Acceleration, Pairing, SampledLoop
 from asmc_pin.sampled.workspace_worst import Workspace
 from asmc_pin.words.units import check_delay
 
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
 
 # Loops whose worst configurations a search begins with, as M̄'s scale, βL and k_sL: damped and stiff, slow and fast.
 _BEGINNINGS = ((0.25, 0.2, 3e-4), (0.25, 0.02, 0.02), (0.5, 0.5, 3e-3), (0.1, 0.02, 1e-4))
-_MOST_ARMATURE, _LEAST_ARMATURE = 1e2, 1e-2  # times M̄
+_AGAIN = 2
 
 
 def suggest_gains(
@@ -40,6 +42,9 @@ def suggest_gains(
     acceleration: Acceleration = "velocity",
     filter_hz: float | None = None,
     delay: float = 0.0,
+    sensor: LoopSensor | None = None,
+    pairing: Pairing = "matched",
+    noise_budget: ArrayLike | None = None,
     gain_margin: float = 2.0,
     delay_margin: float = 1.0,
     scale_mbar: bool = True,
@@ -58,6 +63,9 @@ def suggest_gains(
     made as large as possible; gains with k_s of at least 1/s go before all others. The margins are those of the frozen
     loop at rest under gravity, and of its inertia alone. Where they cannot be had, the largest share of them is.
 
+    With a noise budget a low-pass on q̈(t−L) is chosen too, if none is given: of none and some corner frequencies the
+    one whose gains have the largest m̄ β k_s. Where the margins leave no room for it, gains of little noise are given.
+
     Args:
         arm: The arm.
         mbar: Diagonal of M̄, a scalar or nv values, kg·m²; one that `design` found, say.
@@ -65,6 +73,10 @@ def suggest_gains(
         acceleration: Estimate of q̈(t−L).
         filter_hz: Low-pass on it, Hz.
         delay: Transport delay, periods.
+        sensor: What the drives report, see `loop_sensor`; the truth by default.
+        pairing: Torque that goes with the estimate; see `SampledLoop`.
+        noise_budget: RMS of torque that the sensor's noise may make, the worst of the workspace, a scalar or nv values,
+            N·m; none by default.
         gain_margin: Factor above 1 by which the torque gain may be off, either way.
         delay_margin: Delay that may come on top, periods, 0 or more.
         scale_mbar: Whether M̄ may be scaled down.
@@ -86,30 +98,70 @@ def suggest_gains(
     """
     ranges: dict[str, Any] = {"payload": payload, "armature": armature, "lock": lock}
     arms = frozen_arms(arm, box, **ranges)
-    timing: dict[str, Any] = {"acceleration": acceleration, "filter_hz": filter_hz, "delay": delay}
+    timing: dict[str, Any] = {"acceleration": acceleration, "filter_hz": filter_hz, "delay": delay, "pairing": pairing}
+    timing |= {} if sensor is None else sensor.timing
     unit = loop_for(arms.arm, mbar, 1.0, 1.0, period, **timing)
     _check("gain_margin", gain_margin, 1.0)
     _check("delay_margin", delay_margin, 0.0)
     check_delay(delay_margin, period, "delay_margin")
     asked = Margins((1.0 / gain_margin, float(gain_margin)), float(delay_margin))
     spaces = spaces_of(arms, samples=samples, seed=seed)
+    budget = budget_of(noise_budget, sensor, spaces[-1])
+    limit = None if budget is None else budget.limit
     search = GainSearch(unit, _beginning(spaces, unit), least=0.05 if scale_mbar else 1.0)
-    chosen = search.with_margins(asked)
+    chosen = _chosen(search, asked) if budget is None else _within(search, asked, budget)
     if chosen is None:
-        chosen = search.with_most(asked)
-    if chosen is None:
-        why, wanted = _hindrances(search.critical, _slow(unit), Margins((1.0, 1.0), 0.0)), _armature(search, asked)
-        return GainDesign(arms.about, unit, asked, None, None, why, wanted)
-    report = examine(spaces, chosen, limits=True, known=list(search.critical.points))
+        why, wanted = hindrances(search.critical, _slow(unit), Margins((1.0, 1.0), 0.0)), armature_wanted(search, asked)
+        return GainDesign(arms.about, unit, asked, None, None, why, wanted, limit)
+    report = examine(spaces, chosen, limits=True, known=list(search.critical.points), sensor=sensor)
+    for _ in range(_AGAIN):
+        noise = report.noise
+        if budget is None or noise is None or not budget.keeps(chosen) or (noise.torque_rms <= budget.limit).all():
+            break
+        # The report searches further, joint by joint.
+        budget.take_in(noise.worst)
+        chosen = _within(search, asked, budget) or chosen
+        report = examine(spaces, chosen, limits=True, known=list(search.critical.points), sensor=sensor)
     if coulomb is None:
         coulomb = arms.arm.friction if arms.arm.friction.any() else 1.0
     expected = _expected(search.critical, spaces[-1], chosen, speed, coulomb)
-    design = GainDesign(arms.about, unit, asked, report, expected, (), None)
-    if design.met and design.useful:
+    design = GainDesign(arms.about, unit, asked, report, expected, (), None, limit)
+    if design.met and design.useful and design.quiet:
         return design
     # What stands against more: the margins asked for, or with them a faster k_s.
-    faster = chosen if not design.met else chosen.scaled(ks=USEFUL / float(chosen.ks[0]))
-    return replace(design, why=_hindrances(search.critical, faster, asked), armature=_armature(search, asked))
+    faster = chosen if not design.met else chosen.scaled(ks=max(1.0, USEFUL / float(chosen.ks[0])))
+    why = hindrances(search.critical, faster, asked)
+    if budget is not None:
+        # Armature is looked for without a thought for noise, so it is no answer to a budget.
+        return replace(design, why=(*why, *loudness(budget, faster)))
+    return replace(design, why=why, armature=armature_wanted(search, asked))
+
+
+def _chosen(search: GainSearch, asked: Margins) -> SampledLoop | None:
+    """The best gains with margins, or with the largest share of them; None where no gains are stable."""
+    found = search.with_margins(asked)
+    return search.with_most(asked) if found is None else found
+
+
+def _within(search: GainSearch, asked: Margins, budget: NoiseBudget) -> SampledLoop | None:
+    """The best gains within a noise budget, low-pass and all; margins come before the budget where not both are had."""
+    tries = [replace(search, loop=loop, budget=budget) for loop in filtered(search.loop)]
+    best = None
+    for trial in tries:
+        found = trial.with_margins(asked)
+        if found is not None and (best is None or rank_of(found, search.loop) > rank_of(best, search.loop)):
+            best = found
+        elif best is not None:
+            # Lower corners make less noise and leave less room: once that costs more than it gives, it goes on to.
+            return best
+    if best is not None:
+        return best
+    if not search.possible(asked, 0.0):
+        found = tries[0].with_most(asked)
+        return search.with_most(asked) if found is None else found
+    loud = (replace(trial, budget=None).with_least_noise(asked, budget) for trial in tries)
+    found = min((loop for loop in loud if loop is not None), key=budget.share, default=None)
+    return _chosen(search, asked) if found is None else found
 
 
 def _beginning(spaces: tuple[Workspace, ...], unit: SampledLoop) -> Critical:
@@ -122,62 +174,6 @@ def _beginning(spaces: tuple[Workspace, ...], unit: SampledLoop) -> Critical:
 def _slow(unit: SampledLoop) -> SampledLoop:
     scale, beta, ks = _BEGINNINGS[0]
     return unit.scaled(mbar=scale, beta=beta / unit.period, ks=ks / unit.period)
-
-
-def _hindrances(critical: Critical, loop: SampledLoop, asked: Margins) -> tuple[str, ...]:
-    """Where a loop fails margins, a sentence each."""
-    gains = f"with β = {loop.beta[0]:.3g}, k_s = {loop.ks[0]:.3g} 1/s"
-    low, high = asked.gain
-    torques = [(f"{x:.3g} times the torque", loop.scaled(mbar=x)) for x in dict.fromkeys((low, high))]
-    late = (
-        [(f"{asked.delay:.3g} periods more delay", replace(loop, delay=loop.delay + asked.delay))]
-        if asked.delay
-        else []
-    )
-    said = []
-    for how, other in (*torques, *late):
-        radius, point = critical.worst(other)
-        if radius < 1.0:
-            continue
-        arms = critical.spaces[0].arms
-        alone = np.append(point[:-1], 0.0)[None]
-        heavy = point[-1] > 0.0 and float(critical.spaces[0].radii(other, alone)[0]) < 1.0
-        cause = "gravity drives it away" if heavy else "it is unstable by inertia alone"
-        said.append(f"{gains} and {how} {cause} at q = {angles(arms.q(point))} rad (spectral radius {radius:.6f})")
-    return tuple(said)
-
-
-def _armature(search: GainSearch, asked: Margins) -> Array | None:
-    """The armature, in proportion to M̄, that allows a useful k_s with the margins; None if 100 times M̄ is not enough.
-
-    With κM̄ more on the joints every multiple of M̄ up to 1 + 2κ keeps the condition that M̄ keeps, so M̄ need not be
-    designed again: docs/stability.md.
-    """
-    unit, critical = search.loop, search.critical
-
-    def laden(share: float) -> GainSearch:
-        more = share * unit.mbar
-        arms = critical.spaces[0].arms
-        heavier = replace(arms, armature_lower=arms.armature_lower + more, armature_upper=arms.armature_upper + more)
-        spaces = tuple(replace(space, arms=heavier, points=_shifted(space.points, more)) for space in critical.spaces)
-        largest = 1.0 + 2.0 * share if search.least < search.largest else search.largest
-        return GainSearch(unit, Critical(spaces, _shifted(critical.points, more)), largest, search.least)
-
-    low, high = _LEAST_ARMATURE, _MOST_ARMATURE
-    if not laden(high).possible(asked, USEFUL):
-        return None
-    while high / low > 1.1:
-        middle = math.sqrt(low * high)
-        low, high = (low, middle) if laden(middle).possible(asked, USEFUL) else (middle, high)
-    while high <= _MOST_ARMATURE and laden(high).with_margins(asked, USEFUL) is None:
-        high *= 1.1
-    return high * unit.mbar if high <= _MOST_ARMATURE else None
-
-
-def _shifted(points: Array, more: Array) -> Array:
-    shifted = points.copy()
-    shifted[:, -1 - more.size : -1] += more
-    return shifted
 
 
 def _expected(

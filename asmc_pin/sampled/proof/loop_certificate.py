@@ -171,10 +171,19 @@ def check_plain(loop: SampledLoop) -> None:
     Raises:
         ParameterError: It is another one; the message says what a proof needs.
     """
+    odd = not_plain(loop)
+    if odd is not None:
+        raise ParameterError(*odd)
+
+
+def not_plain(loop: SampledLoop) -> tuple[str, str] | None:
+    """What of a loop no proof is made for, and why; None for the plain loop."""
     if not loop.modal:
-        raise ParameterError("ks", "a proof needs one k_s and one β for all joints: only then do the modes separate")
+        return "ks", "a proof needs one k_s and one β for all joints: only then do the modes separate"
+    gains_and_pair = ("mbar", "ks", "beta", "period", "pairing")
     plain = SampledLoop(loop.mbar, loop.ks, loop.beta, loop.period)
-    for name in (item.name for item in fields(SampledLoop) if item.name not in ("mbar", "ks", "beta", "period")):
+    for name in (item.name for item in fields(SampledLoop) if item.name not in gains_and_pair):
         given, expected = getattr(loop, name), getattr(plain, name)
         if given != expected:
-            raise ParameterError(name, f"{given!r} given; a proof is of the plain loop, with {expected!r}")
+            return name, f"{given!r} given; a proof is of the plain loop, with {expected!r}"
+    return ("pairing", "a proof is of the plain loop, with the last torque") if loop.averages_torque else None

@@ -1,0 +1,139 @@
+"""`asmc-pin stability`: whether a sampled loop is stable over the workspace, and what can be proven of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from asmc_pin.cli.app import app
+from asmc_pin.cli.commands.condition_commands import check_proof_options, report_path
+from asmc_pin.cli.console import note, print_json, say
+from asmc_pin.cli.loop_options import AccelerationOption, DelayOption, FilterOption, loop_proof_of
+from asmc_pin.cli.options import (
+    ArmArgument,
+    ArmatureOption,
+    BoxOption,
+    BudgetOption,
+    CertificateOption,
+    CertifyOption,
+    GravityOption,
+    JsonOption,
+    LockOption,
+    MbarOption,
+    PayloadOption,
+    number,
+    open_domain,
+    parse_box,
+    per_joint,
+)
+from asmc_pin.cli.sensor_options import (
+    EncoderBitsOption,
+    EncoderSideOption,
+    GearOption,
+    PairingOption,
+    TorqueNoiseOption,
+    VelocityFilterOption,
+    VelocityNoiseOption,
+    VelocityOption,
+    sensor_of,
+)
+
+if TYPE_CHECKING:
+    pass
+
+
+@app.command()
+def stability(
+    arm: ArmArgument,
+    mbar: MbarOption,
+    ks: Annotated[str, typer.Option(metavar="K1,K2,…", help="Diagonal of K_s, 1/s, or one value for all joints.")],
+    beta: Annotated[str, typer.Option(metavar="B", help="β, 1/s.")],
+    period: Annotated[str, typer.Option(metavar="S", help="Control period L.")],
+    acceleration: AccelerationOption = "velocity",
+    filter_hz: FilterOption = None,
+    delay: DelayOption = 0.0,
+    velocity: VelocityOption = None,
+    velocity_filter_hz: VelocityFilterOption = None,
+    pairing: PairingOption = "matched",
+    encoder_bits: EncoderBitsOption = None,
+    encoder_side: EncoderSideOption = "joint",
+    gear: GearOption = None,
+    velocity_noise: VelocityNoiseOption = None,
+    torque_noise: TorqueNoiseOption = None,
+    box: BoxOption = None,
+    payload: PayloadOption = None,
+    armature: ArmatureOption = None,
+    lock: LockOption = None,
+    gravity: GravityOption = None,
+    certify: CertifyOption = False,
+    budget: BudgetOption = 60.0,
+    certificate: CertificateOption = None,
+    figures: Annotated[
+        str | None,
+        typer.Option(metavar="DIR", help="Draw the stable region, over β and k_s and over L, into this folder."),
+    ] = None,
+    report: Annotated[
+        str | None,
+        typer.Option("--report", metavar="FILE", help="Write a page: how slow may it run? .html or .md."),
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Analyse the sampled loop, frozen over the workspace. Exit status 1 when it is unstable somewhere.
+
+    With --certify it is proven, without gravity, to be stable at every configuration of the box; 3: neither proven nor
+    refuted within the budget.
+    """
+    check_proof_options(certify, certificate)
+    page = report_path(report)
+    values, slopes, ranges = per_joint(mbar, "--mbar"), per_joint(ks, "--ks"), parse_box(box)
+    rate, length = number(beta, "--beta"), number(period, "--period")
+    loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
+    sensor = sensor_of(
+        loaded.nv,
+        velocity=velocity,
+        velocity_filter_hz=velocity_filter_hz,
+        encoder_bits=encoder_bits,
+        encoder_side=encoder_side,
+        gear=gear,
+        velocity_noise=velocity_noise,
+        torque_noise=torque_noise,
+    )
+    from asmc_pin.sampled import stability as run
+
+    found = run(
+        loaded,
+        values,
+        slopes,
+        rate,
+        length,
+        acceleration=acceleration,
+        filter_hz=filter_hz,
+        delay=delay,
+        sensor=sensor,
+        pairing=pairing,
+        box=ranges,
+        **domain,
+    )
+    if certify:
+        found = replace(
+            found, proof=loop_proof_of(loaded, found.loop, certificate, budget=budget, box=ranges, **domain)
+        )
+    if figures is not None:
+        from asmc_pin.pages.stability_figures import save_figures
+
+        for path in save_figures(loaded, found.loop, figures, box=ranges):
+            note(f"wrote {path}")
+    if page is not None:
+        from asmc_pin.pages.stability_page import write_stability_page
+        from asmc_pin.sampled.frozen_arms import frozen_arms
+
+        write_stability_page(found, frozen_arms(loaded, ranges, **domain), page, sensor=sensor)
+        note(f"report: {page}")
+    if as_json:
+        print_json(found.to_json_dict())
+    else:
+        say(*found.lines())
+    open_question = found.proof is not None and found.proof.verdict == "undecided"
+    raise typer.Exit(1 if not found.stable else 3 if open_question else 0)
