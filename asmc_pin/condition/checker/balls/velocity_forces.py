@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from flint import arb, arb_mat, ctx
 
+from asmc_pin._typing import Array
 from asmc_pin.condition.checker.balls.ball_geometry import cross, dot, unit, zero
 from asmc_pin.condition.checker.balls.balls import PRECISIONS, BallArm, Body, positive, upward
 from asmc_pin.condition.checker.reading.header_parts import Malformed
@@ -164,14 +165,18 @@ def _of_accelerations(
 
 
 def largest_eigenvalue(matrix: Sequence[Sequence[arb]]) -> arb:
-    """Of a symmetric A without negative entries: its largest eigenvalue is at most max (A v)_i / v_i, for any v > 0."""
+    """At least the largest eigenvalue of a symmetric A without negative entries, and close to it."""
     guess = np.array([[float(x.mid()) for x in row] for row in matrix])
     v = np.ones(len(guess))
     if np.all(np.isfinite(guess)):
         for _ in range(100):
             v = guess @ v + 1e-9 * v.max()
             v = v / v.max() if v.max() > 0.0 else np.ones(len(guess))
-    v = np.where(np.isfinite(v) & (v > 0.0), v, 1.0)
+    return eigenvalue_bound(matrix, np.where(np.isfinite(v) & (v > 0.0), v, 1.0))
+
+
+def eigenvalue_bound(matrix: Sequence[Sequence[arb]], v: Array) -> arb:
+    """The largest eigenvalue of a symmetric A without negative entries is at most max (A v)_i / v_i, for any v > 0."""
     ratios = [
         sum((x * arb(float(y)) for x, y in zip(row, v, strict=True)), arb(0)) / arb(float(v[i]))
         for i, row in enumerate(matrix)
