@@ -196,6 +196,20 @@ def test_a_link_stretched_along_an_axis_is_as_long_there_as_asked():
         np.testing.assert_allclose(moments[1], np.outer(stretch, stretch) * moments[0], rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.parametrize("com", [0.02, 0.2])
+def test_the_ends_of_the_scatter_draw_centres_straight_in_or_out_and_in_no_further_than_to_the_origin(com):
+    arm = load_arm("ur5")
+    centre = np.array([arm.model.inertias[i + 1].lever for i in range(arm.nv)])
+    far = np.linalg.norm(centre, axis=1, keepdims=True)
+    outward = np.divide(centre, far, out=np.zeros_like(centre), where=far > 0.0)
+    assert (far.max() > 2.0 * com) == (com == 0.02)
+    for end, sign in zip(Spread(com=com, inertia=0.1).ends(arm), (-1.0, 1.0), strict=True):
+        size = np.exp(0.2 * sign)  # two standard deviations
+        expected = size * centre + np.maximum(2.0 * com * sign, -size * far) * outward
+        levers = np.array([end.model.inertias[i + 1].lever for i in range(arm.nv)])
+        np.testing.assert_allclose(levers, expected, atol=1e-12)
+
+
 def test_without_scatter_a_varied_arm_is_the_arm():
     arm = load_arm("kinova", payload=1.0)
     same = vary_links(arm, np.ones(arm.nv), np.zeros((arm.nv, 3)), np.ones((arm.nv, 3)))
