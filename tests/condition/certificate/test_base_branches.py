@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from arm_urdf import two_arms, write
+from certificate_files import rewrite
 
 from asmc_pin import check, load_arm
 from asmc_pin.arms import Arm
@@ -66,6 +67,26 @@ def test_a_record_in_which_one_branch_halves_the_others_joint_is_broken() -> Non
     assert [joints.tolist() for joints, _ in found] == [[0, 1], [2, 3]]
     assert [record.tolist() for _, record in found] == [[1, LEAF, LEAF]] * 2
     foreign = np.array([3, LEAF, LEAF, 1, LEAF, LEAF], dtype=np.uint8)
-    for record, said in ((foreign, "not of its branch"), (good[:3], "open"), (np.append(good, good[:1]), "goes on")):
+    for record, said in ((foreign, "not of its branch"), (good[:4], "open"), (np.append(good, good[1:2]), "goes on")):
         with pytest.raises(Broken, match=said):
             list(by_branch(record, parent))
+
+
+def test_a_record_of_all_joints_together_as_it_was_written_before_is_read_too(pair: Arm, tmp_path: Path) -> None:
+    box = {name: (0.1, 0.11) for name in pair.joint_names}
+    proof = certify(pair, 0.2 * np.linalg.eigvalsh(pair.mass_matrix(np.full(6, 0.1)))[0], box=box, levels=False)
+    assert [record.tolist() for record in (p.record for p in proof.proofs)] == [[LEAF, LEAF]]
+
+    def whole(_header: object, records: list[Any]) -> None:
+        # Halved twice more than need be, across the branches.
+        records[:] = [np.array([1, LEAF, 4, LEAF, LEAF], dtype=np.uint8)]
+
+    replayed = check(rewrite(proof.save(tmp_path / "new.cert"), tmp_path / "old.cert", whole))
+    assert replayed.valid, replayed.problems
+    assert replayed.statements[0].boxes == 3
+
+    def bolder(header: dict[str, Any], records: list[Any]) -> None:
+        whole(header, records)
+        header["statements"][0]["scale"] = 100.0
+
+    assert not check(rewrite(tmp_path / "new.cert", tmp_path / "bold.cert", bolder)).valid

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from certificate_cases import ur5_certificate
+from certificate_files import rewrite
 from condition_cases import chain
 
 from asmc_pin import load_arm
@@ -28,22 +28,6 @@ from asmc_pin.errors import ResultError
 @pytest.fixture(scope="module")
 def certificate(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return ur5_certificate().save(tmp_path_factory.mktemp("certificate") / "ur5.cert")
-
-
-def rewrite(source: Path, target: Path, change: Callable[[dict[str, Any], list[Any]], None], sign: bool = True) -> Path:
-    """A changed copy of a certificate, with a digest that fits again if `sign`."""
-    container = read(source)
-    header, urdf, records = container.header, container.urdf, container.records
-    change(header, records)
-    if sign:
-        header["digest"] = digest(header, urdf, records)
-    content = {f"record_{k}": record for k, record in enumerate(records)}
-    content["header"] = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
-    content["urdf"] = np.frombuffer(urdf.encode(), dtype=np.uint8)
-    buffer = io.BytesIO()
-    np.savez_compressed(buffer, allow_pickle=False, **content)
-    target.write_bytes(buffer.getvalue())
-    return target
 
 
 def test_a_certificate_is_replayed_box_by_box_on_another_route(certificate: Path) -> None:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from certificate_files import rewrite
 from flint import arb, arb_mat
-from test_certificate_check import rewrite
 
 from asmc_pin import BoundsReport, SampledLoop, bounds, certify_loop, check, load_arm
 from asmc_pin.condition.checker.balls.gravity_gain import _change

@@ -43,6 +43,9 @@ def by_branch(
 ) -> Iterator[tuple[IntArray, np.ndarray[tuple[int, ...], np.dtype[np.uint8]]]]:
     """Cut a record into those of the branches that hang on the base, each a bisection of its own joints' box.
 
+    A record that has the leaves of a single bisection is one of all joints together, as they were written before
+    branches were told apart, and is left whole.
+
     Args:
         record: One complete bisection after the other, the branch of the first joint first.
         parent: Index of each joint's parent, −1 for the base, shape (n,).
@@ -56,6 +59,9 @@ def by_branch(
     root: list[int] = []
     for i, before in enumerate(parent.tolist()):
         root.append(i if before < 0 else root[before])
+    if leaves(record) == record.size - leaves(record) + 1:
+        yield np.arange(len(root)), record
+        return
     at = 0
     for first in sorted(set(root)):
         joints = np.flatnonzero(np.array(root) == first)
