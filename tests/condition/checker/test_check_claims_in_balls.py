@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from certificate_files import rewrite
 from flint import arb, arb_mat
+from pydantic import ValidationError
 
 from asmc_pin import BoundsReport, SampledLoop, bounds, certify_loop, check, load_arm
 from asmc_pin.condition.checker.balls.gravity_gain import _change
 from asmc_pin.condition.checker.balls.velocity_forces import _lack, eigenvalue_bound, largest_eigenvalue
+from asmc_pin.condition.checker.reading.certificate_schema import Pieces
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -89,3 +91,23 @@ def test_the_range_that_is_proven_of_a_loop_encloses_what_is_there_within_the_st
     (low, high), (least, most) = said["proven_between"], proof.seen_between
     assert said["stable_between"][0] <= low < least < 1.5 * low
     assert high / 1.5 < most < high <= said["stable_between"][1]
+
+
+@pytest.mark.parametrize("name", ["lower", "upper"])
+def test_an_eigenvalue_that_is_said_to_be_found_below_zero_breaks_the_schema(
+    report: BoundsReport, name: str, tmp_path: Path
+) -> None:
+    def negative(header: dict[str, object], _records: object) -> None:
+        told = list(header[name])  # type: ignore[call-overload]
+        header[name] = [told[0], -0.5]
+
+    found = check(rewrite(report.save(tmp_path / "true.cert"), tmp_path / "false.cert", negative))
+    assert not found.valid
+    assert any(name in line and "greater than 0" in line for line in found.problems), found.problems
+
+
+def test_pieces_of_eigenvalues_begin_above_zero() -> None:
+    form = ((1.0).hex(),) * 6
+    Pieces(ends=((0.5).hex(), (1.0).hex()), forms=(form,))
+    with pytest.raises(ValidationError, match="greater than 0"):
+        Pieces(ends=((-0.5).hex(), (1.0).hex()), forms=(form,))
