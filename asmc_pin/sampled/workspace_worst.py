@@ -59,12 +59,16 @@ class Workspace:
         return self.arms.stiffness(points) if (points[:, -1] > 0.0).any() else None
 
     def at(self, q: Array) -> Array:
-        """Points of the first arm of the ranges, lightest, with the least armature, at configurations (count, nv)."""
-        points = np.zeros((len(q), self.points.shape[1]))
-        points[:, 1 : 1 + self.arms.nv] = q
-        points[:, 2 + self.arms.nv : -1] = self.arms.armature_lower
-        points[:, -1] = self.points[0, -1]
-        return points
+        """Configurations (count, nv) on the arms at the ends of the ranges, the armature of all joints at one end."""
+        arms, found = self.arms, []
+        for lock in range(len(arms.pairs)):
+            for share in (0.0, 1.0):
+                for armature in (arms.armature_lower, arms.armature_upper):
+                    points = np.empty((len(q), self.points.shape[1]))
+                    points[:, 0], points[:, 1 : 1 + arms.nv], points[:, 1 + arms.nv] = lock, q, share
+                    points[:, 2 + arms.nv : -1], points[:, -1] = armature, self.points[0, -1]
+                    found.append(points)
+        return np.concatenate(found)
 
     def frozen(self, points: Array) -> tuple[Array, Array | None]:
         """M, (count, nv, nv), and as much of ∂g/∂q as acts, at points."""

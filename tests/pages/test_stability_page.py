@@ -48,6 +48,18 @@ def test_curves_end_where_the_loop_does_and_pass_through_the_loop_itself() -> No
         assert np.isnan(curve.drift_error[~curve.stable]).all()
 
 
+def test_over_a_range_of_payloads_the_curve_at_the_loop_itself_is_what_was_found_worst() -> None:
+    arms = frozen_arms(load_arm("two_link"), payload=(0.0, 3.0))
+    loop = SampledLoop([0.01, 0.01], 10.0, 10.0, 0.001)
+    report = stability(load_arm("two_link"), loop.mbar, loop.ks, 10.0, loop.period, payload=(0.0, 3.0), samples=256)
+    assert report.rest.where["worst_payload"]["mass"] == 3.0
+    spaces = [workspace_of(arms, samples=64, gravity=gravity) for gravity in (False, True)]
+    found = loop_curves(spaces, loop, np.ones(2), None, [report.worst_q, report.rest_q])
+    period = found.curves[0]
+    here = int(np.flatnonzero(np.isclose(period.values, loop.period))[0])
+    assert period.radius[here] == pytest.approx(report.rest_radius, abs=1e-6)
+
+
 def test_the_page_holds_verdict_ranges_and_a_figure_for_each_of_period_filter_and_delay(tmp_path: Path) -> None:
     arm, sensor = load_arm("two_link"), loop_sensor(2, encoder_bits=18)
     report = stability(arm, 0.02, 12.0, 12.0, 0.001, sensor=sensor, samples=64, limits=False)
