@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.hypotheses import Condition, Hypotheses, Where
+from asmc_pin.condition.hypotheses import Hypotheses
+from asmc_pin.condition.judged import Judged
 from asmc_pin.condition.premises import worst_keys
-from asmc_pin.words.shown import Cells, Shown
+from asmc_pin.words.shown import Cells
 from asmc_pin.words.text import printable, rounded_down, rounded_up
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ Verdict = Literal["violated", "holds", "unrefuted", "undecided"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class ConditionReport(Shown):
+class ConditionReport(Judged):
     """Whether M̄ satisfies a condition on an arm, and what that rests on.
 
     Attributes:
@@ -73,36 +74,6 @@ class ConditionReport(Shown):
     method: tuple[str, ...] = ()
 
     @property
-    def arm(self) -> str:
-        """Name of the arm."""
-        return self.hypotheses.arm
-
-    @property
-    def joints(self) -> tuple[str, ...]:
-        """Its moving joints, base first."""
-        return self.hypotheses.joints
-
-    @property
-    def mbar(self) -> Array:
-        """Diagonal of M̄, shape (nv,), kg·m²."""
-        return np.array(self.hypotheses.mbar)
-
-    @property
-    def condition(self) -> Condition:
-        """``lemma1`` or ``weighted``."""
-        return self.hypotheses.condition
-
-    @property
-    def formula(self) -> str:
-        """The condition as an inequality."""
-        return self.hypotheses.formula
-
-    @property
-    def scope(self) -> Where:
-        """Over what: ``box``, ``motion`` or ``tube``."""
-        return self.hypotheses.where
-
-    @property
     def box(self) -> tuple[Array, Array]:
         """Joint box, lower and upper ends, each (nv,); where it was along a motion, the range of the motion."""
         lower, upper = np.array(list(self.hypotheses.box.values())).T
@@ -137,10 +108,6 @@ class ConditionReport(Shown):
             [printable(name), f"{m:.6g}", f"{armature:.6g}", f"{q:+.6f}", "" if slides else f"{np.degrees(q):+.2f}"]
             for name, slides, m, armature, q in zip(*figures, strict=True)
         ]
-
-    def remarks(self) -> list[str]:
-        """What a reader has to know."""
-        return [f"note: {line}" for line in self.notes]
 
     def to_json_dict(self) -> dict[str, Any]:
         """The object that ``asmc-pin verify --json`` prints; undefined figures are None."""

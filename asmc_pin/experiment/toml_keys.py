@@ -236,8 +236,10 @@ class ExperimentTables(TomlTable):
 
     @field_validator("duration")
     @classmethod
-    def _fits_memory(cls, duration: float, info: ValidationInfo) -> float:
+    def _fits_period_and_memory(cls, duration: float, info: ValidationInfo) -> float:
         period = info.data.get("period")
+        if period is not None and round(duration / period) < 1:
+            raise ValueError(f"{duration:g} s is less than one control period of {period:g} s; make it longer")
         if period is not None and duration > MOST_TICKS * period:
             raise ValueError(
                 f"{duration:g} s are {duration / period:.3g} control periods of {period:g} s, and a run keeps all of "

@@ -156,7 +156,7 @@ def overview(summary: pd.DataFrame) -> Table:
     base = metric_table(summary, "rms_error")
     _, units, worst = per_joint(summary, "max_error")
     _, force_units, variation = per_joint(summary, "torque_variation")
-    header = ["scheme", *base.header[1:]]
+    header = ["controller", *base.header[1:]]
     rows, best = [list(row) for row in base.rows], list(base.best)
     if len(set(units)) == 1:
         header.append(f"worst error [{units[0]}]")

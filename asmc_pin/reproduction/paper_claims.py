@@ -144,8 +144,8 @@ def _norm_range(norm: Sequence[float], printed: Printed) -> tuple[str, str]:
 
 
 _CLAIMS: Mapping[str, Callable[[Figures, Printed], tuple[str, str]]] = {
-    "ordering of the schemes: PPC last": _last,
-    "ordering of the schemes: proposed first": _first,
+    "ordering of the controllers: PPC last": _last,
+    "ordering of the controllers: proposed first": _first,
     "size of the improvement over PPC": _over_ppc,
     "size of the improvement over the existing law": _over_existing,
     "bounded gains": _bounded,

@@ -13,8 +13,8 @@ from asmc_pin.words.media import for_cell
 
 _TUNED = " tuned"
 _STATEMENTS = {
-    "ordering of the schemes: PPC last": "PPC has the largest RMS error of all schemes, at both joints.",
-    "ordering of the schemes: proposed first": "The proposed law has the smallest, at both joints.",
+    "ordering of the controllers: PPC last": "PPC has the largest RMS error of all controllers, at both joints.",
+    "ordering of the controllers: proposed first": "The proposed law has the smallest, at both joints.",
     "size of the improvement over PPC": "The proposed law divides the error of PPC by 1.3 to 3.2.",
     "size of the improvement over the existing law": "It divides that of the existing adaptive law by 1.1 to 1.8.",
     "bounded gains": "The adaptive gains stay bounded (Lemma 2).",
@@ -115,7 +115,7 @@ def _tables(data: Mapping[str, Any]) -> Iterator[str]:
         yield ""
         yield f"RMS tracking error [{unit}], joint 1 / joint 2, {over}{words(item['reading'])}."
         yield ""
-        header = ["scheme", "paper", "measured", "measured / paper", "largest error", "largest torque [N·m]"]
+        header = ["controller", "paper", "measured", "measured / paper", "largest error", "largest torque [N·m]"]
         header += ["chatter [N·m/s]", "largest k̂ [rad/s²]"]
         rows = []
         for label, run in item["controllers"].items():

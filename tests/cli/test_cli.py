@@ -140,9 +140,9 @@ def test_no_equation_in_the_list_of_laws_is_cut(asmc_pin, monkeypatch):
 
 
 @pytest.mark.parametrize("columns", [40, 80])
-def test_no_scheme_and_no_figure_of_seven_joints_is_cut(capsys, monkeypatch, columns):
+def test_no_controller_and_no_figure_of_seven_joints_is_cut(capsys, monkeypatch, columns):
     monkeypatch.setenv("COLUMNS", str(columns))
-    header = ["scheme", *(f"joint{i}" for i in range(1, 8)), "worst error [deg]", "chatter [N·m/s]"]
+    header = ["controller", *(f"joint{i}" for i in range(1, 8)), "worst error [deg]", "chatter [N·m/s]"]
     rows = [[label, *["0.00123"] * 7, "0.0123", "123"] for label in ("Existing", "Proposed")]
     table = Table("RMS tracking error [deg]", header, rows)
     print_comparison(SimpleNamespace(overview=lambda: table, remarks=list))

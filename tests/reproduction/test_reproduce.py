@@ -176,8 +176,8 @@ def test_the_papers_own_numbers_hold():
 @pytest.mark.parametrize(
     ("claim", "run"),
     [
-        ("ordering of the schemes: PPC last", figures((0.0432, 0.06))),
-        ("ordering of the schemes: proposed first", figures((0.0432, 0.05))),
+        ("ordering of the controllers: PPC last", figures((0.0432, 0.06))),
+        ("ordering of the controllers: proposed first", figures((0.0432, 0.05))),
         ("size of the improvement over PPC", figures((0.01, 0.001))),
         ("size of the improvement over the existing law", figures((0.08, 0.09))),
         ("less chatter", figures((0.0432, 0.0357), chatter=(1.0, 3.0))),
@@ -192,9 +192,9 @@ def test_a_claim_is_broken_by_figures_that_break_it(claim, run):
 
 def test_a_law_that_diverged_is_behind_every_other():
     gone = {**figures((None, None)), "status": "diverged", "torque_variation": [None, None]}
-    assert verdicts(Existing=gone)["ordering of the schemes: PPC last"] == "does not hold"
-    assert verdicts(Existing=gone)["ordering of the schemes: proposed first"] == "holds"
-    assert verdicts(Proposed=gone)["ordering of the schemes: proposed first"] == "does not hold"
+    assert verdicts(Existing=gone)["ordering of the controllers: PPC last"] == "does not hold"
+    assert verdicts(Existing=gone)["ordering of the controllers: proposed first"] == "holds"
+    assert verdicts(Proposed=gone)["ordering of the controllers: proposed first"] == "does not hold"
     assert verdicts(Proposed=gone)["less chatter"] == "does not hold"
 
 

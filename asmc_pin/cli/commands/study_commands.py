@@ -129,9 +129,10 @@ def print_comparison(comparison: Comparison) -> None:
         cells = ([*head.split("\n"), *column] for head, column in zip(header, columns, strict=True))
         return sum(max(map(len, column)) + 1 for column in cells)
 
-    # Where the terminal is narrow, headings are broken at their spaces and underscores, so that six joints fit 80
-    # columns; a scheme or a figure is never cut.
+    # Where the terminal is narrow, headings are broken at their spaces and underscores, and that of the labels goes, so
+    # that seven joints fit 80 columns; a label or a figure is never cut.
     if width() > console.width:
+        header = ["", *header[1:]]
         header = [head.replace(" ", "\n").replace("_", "_\n") for head in header]
         console.width = max(console.width, width())
     table = Table(*header, title=overview.title, title_justify="left", box=None, pad_edge=False, collapse_padding=True)
