@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from asmc_pin.cli import interrupt
-from asmc_pin.cli.app import app
+from asmc_pin.cli.app import MBAR, app
 from asmc_pin.cli.commands.condition_commands import EXIT
 from asmc_pin.cli.console import note, print_json, progress_bar, say
 from asmc_pin.cli.options import (
@@ -28,7 +28,7 @@ from asmc_pin.cli.options import (
 from asmc_pin.disk.files import check_writable
 
 
-@app.command()
+@app.command(rich_help_panel=MBAR)
 def bounds(
     arm: ArmArgument,
     scale: Annotated[

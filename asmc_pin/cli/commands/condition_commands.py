@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from asmc_pin.cli import interrupt
-from asmc_pin.cli.app import app
+from asmc_pin.cli.app import MBAR, app
 from asmc_pin.cli.console import note, print_json, progress_bar, rich_console, say
 from asmc_pin.cli.options import (
     ArmArgument,
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 EXIT = {"holds": 0, "unrefuted": 0, "violated": 1, "undecided": 3}
 
 
-@app.command()
+@app.command(rich_help_panel=MBAR)
 def verify(
     arm: ArmArgument,
     mbar: MbarOption,

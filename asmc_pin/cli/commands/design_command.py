@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from asmc_pin.cli.app import app
+from asmc_pin.cli.app import MBAR, app
 from asmc_pin.cli.commands.condition_commands import EXIT, check_proof_options, prove, report_path, write_page
 from asmc_pin.cli.console import print_json, progress_bar, say
 from asmc_pin.cli.loop_options import AccelerationOption, DelayOption, FilterOption, loop_proof_of
@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from asmc_pin.sampled.gain_choice.gain_design import GainDesign
 
 
-@app.command()
+@app.command(rich_help_panel=MBAR)
 def design(
     arm: ArmArgument,
     condition: ConditionOption = "lemma1",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from asmc_pin.cli.app import app
+from asmc_pin.cli.app import LISTS, app
 from asmc_pin.cli.console import print_json, rich_console
 from asmc_pin.cli.options import JsonOption
 
@@ -53,13 +53,13 @@ def _print(title: str, table: Rows, as_json: bool, leave_out: tuple[str, ...] = 
     rich_console().print(view)
 
 
-@app.command()
+@app.command(rich_help_panel=LISTS)
 def arms(as_json: JsonOption = False) -> None:
     """List the arms that have a name; --json and README.md also say where each comes from."""
     _print("arms", arm_rows(), as_json, leave_out=("origin", "licence"))
 
 
-@app.command()
+@app.command(rich_help_panel=LISTS)
 def controllers(as_json: JsonOption = False) -> None:
     """List the control laws and their parameters."""
     _print("controllers", controller_rows(), as_json)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from asmc_pin.cli.app import app
+from asmc_pin.cli.app import LISTS, MBAR, STUDIES, app
 from asmc_pin.cli.commands.condition_commands import EXIT
 from asmc_pin.cli.console import announce_compiling, print_json, progress_bar, say
 from asmc_pin.cli.options import (
@@ -22,7 +22,7 @@ from asmc_pin.disk.files import check_readable
 from asmc_pin.errors import ParameterError
 
 
-@app.command()
+@app.command(rich_help_panel=MBAR)
 def check(
     certificate: Annotated[str, typer.Argument(metavar="CERTIFICATE", help="A file of --certificate.")],
     as_json: JsonOption = False,
@@ -44,7 +44,7 @@ def check(
     raise typer.Exit(1 if result.verdict is None else {"stable": 0, "unstable": 1, **EXIT}[result.verdict])
 
 
-@app.command()
+@app.command(rich_help_panel=LISTS)
 def agree(
     arm: ArmArgument,
     payload: PayloadOption = None,
@@ -68,7 +68,7 @@ def agree(
     raise typer.Exit({"agrees": 0, "disagrees": 1, "not compared": 3}[report.verdict])
 
 
-@app.command()
+@app.command(rich_help_panel=STUDIES)
 def reproduce(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="[NAME]...", help="Some of the paper's experiments.")

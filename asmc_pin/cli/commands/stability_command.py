@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from asmc_pin.cli.app import app
+from asmc_pin.cli.app import MBAR, app
 from asmc_pin.cli.commands.condition_commands import check_proof_options, report_path
 from asmc_pin.cli.console import note, print_json, say
 from asmc_pin.cli.loop_options import AccelerationOption, DelayOption, FilterOption, loop_proof_of
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     pass
 
 
-@app.command()
+@app.command(rich_help_panel=MBAR)
 def stability(
     arm: ArmArgument,
     mbar: MbarOption,

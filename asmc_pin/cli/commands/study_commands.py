@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
-from asmc_pin.cli.app import app
+from asmc_pin.cli.app import PICTURES, STUDIES, app
 from asmc_pin.cli.console import announce_compiling, note, print_json, progress_bar, rich_console, say
 from asmc_pin.cli.options import JsonOption
 from asmc_pin.disk.files import check_writable
@@ -23,7 +23,7 @@ ExperimentArgument: TypeAlias = Annotated[
 ]
 
 
-@app.command()
+@app.command(rich_help_panel=STUDIES)
 def compare(
     experiment: ExperimentArgument,
     out: Annotated[str | None, typer.Option(metavar="DIR", help="Where to write; results/NAME when omitted.")] = None,
@@ -51,7 +51,7 @@ def compare(
         print_comparison(comparison)
 
 
-@app.command()
+@app.command(rich_help_panel=STUDIES)
 def report(directory: DirArgument) -> None:
     """Write report.html of a result anew."""
     from asmc_pin.results.result_folder import find_result, load_result
@@ -65,7 +65,7 @@ def report(directory: DirArgument) -> None:
     say(f"report: {result.path / 'report.html'}")
 
 
-@app.command()
+@app.command(rich_help_panel=PICTURES)
 def view(
     directory: DirArgument,
     html: Annotated[
@@ -87,7 +87,7 @@ def view(
         say(f"replay: {page} ({page.stat().st_size / 1e6:.1f} MB)")
 
 
-@app.command()
+@app.command(rich_help_panel=STUDIES)
 def demo() -> None:
     """Verify an M̄ on the UR5, compare four controllers on it, and write results/demo with a report."""
     from asmc_pin.cli.commands.condition_commands import print_verdict
