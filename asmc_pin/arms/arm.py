@@ -19,6 +19,7 @@ from asmc_pin.arms.urdf.urdf_reading import Robot
 from asmc_pin.errors import ArmError
 from asmc_pin.rigid_body.leading_axes import joint_rows
 from asmc_pin.rigid_body.tree import Tree
+from asmc_pin.words.provisos import Proviso
 from asmc_pin.words.shown import Cells, Shown
 from asmc_pin.words.text import printable, quoted
 
@@ -69,6 +70,7 @@ class Arm(Shown):
         locked: Joints that were locked, and where.
         payload: What it carries, with the link resolved; None for nothing.
         warnings: What was taken otherwise than written, in plain words.
+        provisos: In what it is not as its file says, for every statement about it.
         source: The URDF file.
         sha256: Hex digest of the URDF's bytes.
         urdf_text: The URDF as it stands.
@@ -94,6 +96,7 @@ class Arm(Shown):
     locked: Mapping[str, float]
     payload: Payload | None
     warnings: tuple[str, ...]
+    provisos: tuple[Proviso, ...]
     source: Path
     sha256: str
     urdf_text: str
@@ -117,6 +120,7 @@ class Arm(Shown):
             said.append(f"payload: {self.payload.mass:g} kg on {quoted(str(self.payload.link))}")
         if self.locked:
             said.append("locked: " + ", ".join(f"{quoted(name)} at {angle:g}" for name, angle in self.locked.items()))
+        said += [f"{proviso.kind}: {proviso.text}" for proviso in self.provisos]
         return [*said, *(f"note: {line}" for line in self.warnings)]
 
     def table(self) -> Cells:

@@ -43,7 +43,11 @@ class Variant:
 
 
 def read_variant(
-    payload: Load | None, armature: Armature | None, lock: Lock | None, gravity: Gravity | None
+    *,
+    payload: Load | None = None,
+    armature: Armature | None = None,
+    lock: Lock | None = None,
+    gravity: Gravity | None = None,
 ) -> Variant:
     """Copy and check what can be checked without the arm.
 

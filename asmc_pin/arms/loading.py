@@ -63,7 +63,8 @@ def load_arm(
         ParameterError: An option at fault.
     """
     path, entry = find(source)
-    return assemble(Recipe(read_robot(read_document(path)), entry, read_variant(payload, armature, lock, gravity)))
+    variant = read_variant(payload=payload, armature=armature, lock=lock, gravity=gravity)
+    return assemble(Recipe(read_robot(read_document(path)), entry, variant))
 
 
 @dataclass(frozen=True)
@@ -139,6 +140,7 @@ def assemble(recipe: Recipe) -> Arm:
         locked=MappingProxyType(locked),
         payload=payload,
         warnings=(*robot.warnings, *_warnings(robot, joints, locked)),
+        provisos=robot.provisos,
         source=robot.path,
         sha256=robot.sha256,
         urdf_text=robot.text,
@@ -160,7 +162,7 @@ def vary(arm: Arm, changes: Mapping[str, Any]) -> Arm:
         A new arm; a joint that the new locks hold loses its armature.
     """
     robot, entry, variant = arm.made_of.robot, arm.made_of.entry, arm.made_of.variant
-    asked = read_variant(*(changes.get(name) for name in ("payload", "armature", "lock", "gravity")))
+    asked = read_variant(**changes)
     # A payload stays on its link even where the new locks make another link the last one.
     new = replace(replace(variant, payload=arm.payload), **{name: getattr(asked, name) for name in changes})
     if "lock" in changes and "armature" not in changes and variant.armature is not None:

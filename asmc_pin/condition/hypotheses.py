@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
 from asmc_pin.words.choices import Condition as Condition
+from asmc_pin.words.provisos import Proviso as Proviso
+from asmc_pin.words.provisos import provisos_json
 from asmc_pin.words.text import exact, printable, quoted
 
 Interval: TypeAlias = tuple[float, float]
@@ -97,6 +99,7 @@ class Premises:
             else is known.
         parts: How many such boxes.
         boxes: These, where it is more than one and they are known: lower and upper ends, each one per joint.
+        provisos: In what the arm is not as its file says.
     """
 
     arm: str
@@ -111,11 +114,12 @@ class Premises:
     parts: int = 1
     together: bool = False
     boxes: tuple[tuple[tuple[float, ...], tuple[float, ...]], ...] = field(default=(), repr=False)
+    provisos: tuple[Proviso, ...] = ()
 
     @property
     def title(self) -> str:
         """The arm's name with all that is supposed about it, so that no headline is a theorem about the bare arm."""
-        supposed = []
+        supposed = list(dict.fromkeys(proviso.kind for proviso in self.provisos))
         if any(self.armature):
             supposed.append(f"armature {self._armature()}")
         if self.payload is not None:
@@ -134,6 +138,8 @@ class Premises:
             "payload": None if self.payload is None else self.payload.to_json_dict(),
             "locked": {printable(name): _plain(value) for name, value in self.locked.items()},
         }
+        if self.provisos:
+            content["provisos"] = provisos_json(self.provisos)
         if self.together:
             content["locked_together"] = True
         box = {printable(name): list(ends) for name, ends in self.box.items()}
@@ -159,6 +165,7 @@ class Premises:
             ("Armature", self._armature()),
             ("Payload", "none" if self.payload is None else self.payload.words()),
             ("Locked joints", self._locks("; ") or "none"),
+            *((proviso.kind[:1].upper() + proviso.kind[1:], printable(proviso.text)) for proviso in self.provisos),
             (over, self._box()),
             *([("Whole turns", self._whole_turns())] if self.where == "box" and self.turning else []),
         ]

@@ -58,6 +58,7 @@ def premises_of(
         where=where,
         parts=len(distinct),
         boxes=distinct if len(distinct) > 1 else (),
+        provisos=first.provisos,
     )
 
 

@@ -14,6 +14,7 @@ from typing import Any
 
 from asmc_pin.arms import Arm
 from asmc_pin.experiment import Experiment
+from asmc_pin.words.provisos import provisos_json
 
 # What the figures depend on.
 PACKAGES = (
@@ -50,7 +51,12 @@ def provenance(
             "folder": _way(experiment.folder, folder),
             "sha256": _digest(experiment.to_toml().encode()),
         },
-        "arm": {"name": arm.name, "urdf": arm.source.name, "sha256": arm.sha256},
+        "arm": {
+            "name": arm.name,
+            "urdf": arm.source.name,
+            "sha256": arm.sha256,
+            **({"provisos": provisos_json(arm.provisos)} if arm.provisos else {}),
+        },
         "seed": experiment.seed,
         "started": started.isoformat(timespec="seconds"),
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),

@@ -13,6 +13,7 @@ from lxml import etree
 from asmc_pin.arms.urdf.xml_encoding import decode_xml, without_declared_encoding
 from asmc_pin.disk.reading import read_file, shown
 from asmc_pin.errors import ArmError
+from asmc_pin.words.provisos import Proviso
 from asmc_pin.words.text import printable
 
 LARGEST = 20_000_000
@@ -32,12 +33,14 @@ class Document:
         text: The file as it stands.
         sha256: Hex digest of its bytes.
         root: The ``<robot>`` element, without comments and processing instructions.
+        provisos: In what `text` and `root` are not as the file that was read.
     """
 
     path: Path
     text: str
     sha256: str
     root: Any
+    provisos: tuple[Proviso, ...] = ()
 
 
 class _Refused(Exception):

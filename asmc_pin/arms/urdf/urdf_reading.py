@@ -20,6 +20,7 @@ from asmc_pin.arms.urdf.rigid_inertia import inertia_problem
 from asmc_pin.arms.urdf.urdf_document import Document
 from asmc_pin.arms.urdf.urdf_structure import MOVING, NUMBERS, check_structure, where
 from asmc_pin.errors import ArmError
+from asmc_pin.words.provisos import Proviso
 
 # Pinocchio wants to see a range at every joint; nothing reads this one, `Joint` has the real limits.
 _WIDE = "1e6"
@@ -84,6 +85,7 @@ class Robot:
         xml: The same robot for Pinocchio: dynamics only, every continuous joint an unbounded revolute one, and
             `JOINT_PREFIX` before every joint's name.
         warnings: What was taken otherwise than written.
+        provisos: See `Document`.
     """
 
     path: Path
@@ -94,6 +96,7 @@ class Robot:
     links: tuple[str, ...]
     xml: str
     warnings: tuple[str, ...]
+    provisos: tuple[Proviso, ...]
 
 
 def _stripped(document: Document) -> Any:
@@ -234,4 +237,5 @@ def read_robot(document: Document) -> Robot:
         links=tuple(link.name for link in raw.links),
         xml=_pinocchio_xml(root),
         warnings=tuple(warnings),
+        provisos=document.provisos,
     )

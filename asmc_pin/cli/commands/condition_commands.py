@@ -10,22 +10,18 @@ import typer
 from asmc_pin.cli import interrupt
 from asmc_pin.cli.app import MBAR, app
 from asmc_pin.cli.console import note, print_json, progress_bar, rich_console, say
+from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
 from asmc_pin.cli.options import (
     ArmArgument,
-    ArmatureOption,
     BoxOption,
     BudgetOption,
     CertificateOption,
     CertifyOption,
     ConditionOption,
     GapOption,
-    GravityOption,
     JsonOption,
-    LockOption,
     MbarOption,
-    PayloadOption,
     ReportOption,
-    open_domain,
     parse_box,
     per_joint,
 )
@@ -41,6 +37,7 @@ EXIT = {"holds": 0, "unrefuted": 0, "violated": 1, "undecided": 3}
 
 
 @app.command(rich_help_panel=MBAR)
+@takes_loading_options()
 def verify(
     arm: ArmArgument,
     mbar: MbarOption,
@@ -60,10 +57,7 @@ def verify(
     certificate: CertificateOption = None,
     report: ReportOption = None,
     box: BoxOption = None,
-    payload: PayloadOption = None,
-    armature: ArmatureOption = None,
-    lock: LockOption = None,
-    gravity: GravityOption = None,
+    loading: LoadingOptions = NOTHING,
     as_json: JsonOption = False,
 ) -> None:
     """Look for a configuration at which M̄ breaks the condition, or prove that there is none.
@@ -78,7 +72,7 @@ def verify(
         raise ParameterError("--tube", "is around a motion: add --along EXPERIMENT or a CSV of recorded data")
     values, ranges = per_joint(mbar, "--mbar"), parse_box(box)
     check_motion(along)
-    loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
+    loaded, domain = open_domain(arm, loading)
     from asmc_pin.condition import verify as run
 
     domain |= {"condition": condition, "seed": seed, "box": ranges}

@@ -10,23 +10,19 @@ import typer
 from asmc_pin.cli.app import MBAR, app
 from asmc_pin.cli.commands.condition_commands import EXIT, check_proof_options, prove, report_path, write_page
 from asmc_pin.cli.console import print_json, progress_bar, say
+from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
 from asmc_pin.cli.loop_options import AccelerationOption, DelayOption, FilterOption, loop_proof_of
 from asmc_pin.cli.options import (
     ArmArgument,
-    ArmatureOption,
     BoxOption,
     BudgetOption,
     CertificateOption,
     CertifyOption,
     ConditionOption,
     GapOption,
-    GravityOption,
     JsonOption,
-    LockOption,
-    PayloadOption,
     ReportOption,
     number,
-    open_domain,
     parse_bounds,
     parse_box,
     per_joint,
@@ -52,6 +48,7 @@ if TYPE_CHECKING:
 
 
 @app.command(rich_help_panel=MBAR)
+@takes_loading_options()
 def design(
     arm: ArmArgument,
     condition: ConditionOption = "lemma1",
@@ -100,10 +97,7 @@ def design(
     certificate: CertificateOption = None,
     report: ReportOption = None,
     box: BoxOption = None,
-    payload: PayloadOption = None,
-    armature: ArmatureOption = None,
-    lock: LockOption = None,
-    gravity: GravityOption = None,
+    loading: LoadingOptions = NOTHING,
     as_json: JsonOption = False,
 ) -> None:
     """Find the M̄ of least contraction, or of the fastest estimate. Exit status 1 when none satisfies the condition.
@@ -125,7 +119,7 @@ def design(
         from asmc_pin.words.units import check_period
 
         check_period(length, "--period")
-    loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
+    loaded, domain = open_domain(arm, loading)
     sensor = sensor_of(
         loaded.nv,
         velocity=velocity,

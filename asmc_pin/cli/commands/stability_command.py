@@ -3,28 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from asmc_pin.cli.app import MBAR, app
 from asmc_pin.cli.commands.condition_commands import check_proof_options, report_path
 from asmc_pin.cli.console import note, print_json, say
+from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
 from asmc_pin.cli.loop_options import AccelerationOption, DelayOption, FilterOption, loop_proof_of
 from asmc_pin.cli.options import (
     ArmArgument,
-    ArmatureOption,
     BoxOption,
     BudgetOption,
     CertificateOption,
     CertifyOption,
-    GravityOption,
     JsonOption,
-    LockOption,
     MbarOption,
-    PayloadOption,
     number,
-    open_domain,
     parse_box,
     per_joint,
 )
@@ -40,11 +36,9 @@ from asmc_pin.cli.sensor_options import (
     sensor_of,
 )
 
-if TYPE_CHECKING:
-    pass
-
 
 @app.command(rich_help_panel=MBAR)
+@takes_loading_options()
 def stability(
     arm: ArmArgument,
     mbar: MbarOption,
@@ -63,10 +57,7 @@ def stability(
     velocity_noise: VelocityNoiseOption = None,
     torque_noise: TorqueNoiseOption = None,
     box: BoxOption = None,
-    payload: PayloadOption = None,
-    armature: ArmatureOption = None,
-    lock: LockOption = None,
-    gravity: GravityOption = None,
+    loading: LoadingOptions = NOTHING,
     certify: CertifyOption = False,
     budget: BudgetOption = 60.0,
     certificate: CertificateOption = None,
@@ -89,7 +80,7 @@ def stability(
     page = report_path(report)
     values, slopes, ranges = per_joint(mbar, "--mbar"), per_joint(ks, "--ks"), parse_box(box)
     rate, length = number(beta, "--beta"), number(period, "--period")
-    loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
+    loaded, domain = open_domain(arm, loading)
     sensor = sensor_of(
         loaded.nv,
         velocity=velocity,

@@ -26,6 +26,7 @@ from asmc_pin.condition.certificate.statement_forms import Statement
 from asmc_pin.condition.certificate.walk import Record
 from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import ResultError
+from asmc_pin.words.provisos import provisos_json
 
 if TYPE_CHECKING:
     from asmc_pin.condition.domain.arm_ranges import Case
@@ -57,6 +58,8 @@ def write(path: Path, figures: dict[str, Any], cases: Sequence[Case], proofs: Se
         "sha256": arm.sha256,
         "urdf_sha256": hashlib.sha256(arm.urdf_text.encode()).hexdigest(),
         "joints": list(arm.joint_names),
+        # Left out where there are none: such a certificate is the same as before there were any.
+        **({"provisos": provisos_json(arm.provisos)} if arm.provisos else {}),
         **figures,
         "cases": [_case(case) for case in cases],
         "statements": [

@@ -1,0 +1,173 @@
+"""The options that say which arm it is: one list of them for every command that loads an arm.
+
+A new option of `load_arm` is a field of `LoadingOptions` here, a line in `load_keywords`, and a field of the
+experiment's `ArmTable`; every command then has it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_type_hints
+
+import typer
+
+from asmc_pin.cli.console import announce_compiling, note
+from asmc_pin.cli.options import assignments, numbers, value_or_range
+from asmc_pin.errors import ParameterError
+
+if TYPE_CHECKING:
+    from asmc_pin.arms import Arm
+
+Range: TypeAlias = tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadingOptions:
+    """What the command line says about the arm besides its name; None is what was not given."""
+
+    payload: Annotated[
+        str | None,
+        typer.Option(
+            "--payload", metavar="KG|LO:HI", help="Point mass at the last moving link's frame, or a range of it."
+        ),
+    ] = None
+    armature: Annotated[
+        str | None,
+        typer.Option(
+            "--armature",
+            metavar="A1,LO:HI,…",
+            help="Reflected rotor inertia per joint, kg·m², values or ranges; or one for all.",
+        ),
+    ] = None
+    lock: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--lock",
+            metavar="JOINT=ANGLE",
+            help="Lock a joint at an angle, rad or m; 'free' frees a gripper's. Repeatable.",
+        ),
+    ] = None
+    gravity: Annotated[
+        str | None,
+        typer.Option(
+            "--gravity", metavar="X,Y,Z", help="Gravity in the base frame, m/s²; 0,0,9.81 hangs it from a ceiling."
+        ),
+    ] = None
+
+
+NOTHING = LoadingOptions()
+"""No option at all."""
+
+
+def takes_loading_options(*, without: tuple[str, ...] = ()) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Decorate a command: its parameter ``loading: LoadingOptions`` becomes the options of that class.
+
+    Args:
+        without: Fields that mean nothing to this command.
+    """
+
+    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+        hints = get_type_hints(LoadingOptions, include_extras=True)
+        options = [
+            inspect.Parameter(
+                each.name, inspect.Parameter.KEYWORD_ONLY, default=each.default, annotation=hints[each.name]
+            )
+            for each in dataclasses.fields(LoadingOptions)
+            if each.name not in without
+        ]
+        parameters: list[inspect.Parameter] = []
+        for parameter in inspect.signature(command, eval_str=True).parameters.values():
+            shared = parameter.name == "loading"
+            parameters += options if shared else [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY)]
+
+        @functools.wraps(command)
+        def run(**given: Any) -> None:
+            loading = LoadingOptions(**{each.name: given.pop(each.name) for each in options})
+            command(loading=loading, **given)
+
+        # What typer reads in place of the command's own.
+        run.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+        run.__annotations__ = {each.name: each.annotation for each in parameters}
+        del run.__wrapped__
+        return run
+
+    return decorate
+
+
+def parse_payload(text: str | None) -> float | Range | None:
+    """``--payload`` as a mass or a range of masses, kg."""
+    return None if text is None else value_or_range(text, "--payload")
+
+
+def parse_armature(text: str | None) -> list[float | Range] | float | Range | None:
+    """``--armature`` as per-joint values or ranges, or one for all joints, kg·m²."""
+    if text is None:
+        return None
+    parts = [value_or_range(part, "--armature") for part in text.split(",")]
+    return parts[0] if len(parts) == 1 else parts
+
+
+def load_keywords(loading: LoadingOptions) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Read the options.
+
+    Returns:
+        Keywords of `load_arm`, all that has one value; and the ranges and choices, keywords of `verify` and its
+        fellows.
+    """
+    single: dict[str, Any] = {}
+    ranges: dict[str, Any] = {}
+    for name, value in (("payload", parse_payload(loading.payload)), ("armature", parse_armature(loading.armature))):
+        if value is not None:
+            spread = isinstance(value, tuple) or (isinstance(value, list) and any(isinstance(x, tuple) for x in value))
+            (ranges if spread else single)[name] = value
+    given = assignments(loading.lock, "--lock", "JOINT=ANGLE or JOINT=free")
+    locks = {joint: numbers(value, "--lock") for joint, value in given.items() if value != "free"}
+    held: dict[str, Any] = {joint: angles[0] for joint, angles in locks.items() if len(angles) == 1}
+    held |= {joint: None for joint, value in given.items() if value == "free"}
+    choices = {joint: angles for joint, angles in locks.items() if len(angles) > 1}
+    if choices:
+        ranges["lock"] = choices
+    if held:
+        single["lock"] = held
+    if loading.gravity is not None:
+        single["gravity"] = numbers(loading.gravity, "--gravity")
+    return single, ranges
+
+
+def open_domain(source: str, loading: LoadingOptions) -> tuple[Arm, dict[str, Any]]:
+    """Load an arm as the command line describes it, its warnings on standard error.
+
+    Args:
+        source: ARM.
+        loading: The options.
+
+    Returns:
+        The arm with all that has one value, and the ranges and choices as keywords of `verify` and its fellows.
+    """
+    from asmc_pin.arms.registry import find
+
+    single, ranges = load_keywords(loading)
+    find(source)  # a name that is none is told before anything heavy is loaded
+    announce_compiling()
+    from asmc_pin.arms import load_arm
+
+    arm = load_arm(source, **single)
+    for warning in arm.warnings:
+        note(f"warning: {warning}")
+    return arm, ranges
+
+
+def open_single(source: str, loading: LoadingOptions) -> Arm:
+    """The same where a range means nothing.
+
+    Raises:
+        ParameterError: An option gives a range or a choice.
+    """
+    arm, ranges = open_domain(source, loading)
+    if ranges:
+        raise ParameterError(f"--{next(iter(ranges))}", "one value expected here, not a range")
+    return arm
