@@ -72,8 +72,8 @@ class Arm(Shown):
         warnings: What was taken otherwise than written, in plain words.
         provisos: In what it is not as its file says, for every statement about it.
         source: The URDF file.
-        sha256: Hex digest of the URDF's bytes.
-        urdf_text: The URDF as it stands.
+        sha256: Hex digest of the URDF's bytes; where it was repaired, of the repaired one's.
+        urdf_text: The URDF as it stands; where it was repaired, the repaired one.
         package_dirs: Folders in which ``package://`` paths of its meshes may be found.
         model: Pinocchio's model, nq == nv. Treat it as read-only.
         tree: The same in plain arrays, for compiled kernels.
@@ -254,6 +254,7 @@ class Arm(Shown):
         armature: Armature | Unchanged | None = UNCHANGED,
         lock: Lock | Unchanged | None = UNCHANGED,
         gravity: Gravity | Unchanged | None = UNCHANGED,
+        repair: bool | Unchanged | None = UNCHANGED,
     ) -> Arm:
         """The same URDF with other options; one that is not given stays as it is, None takes it away.
 
@@ -262,6 +263,7 @@ class Arm(Shown):
             armature: As in `load_arm`.
             lock: As in `load_arm`; replaces all earlier locks except the entry's own.
             gravity: As in `load_arm`.
+            repair: As in `load_arm`.
 
         Returns:
             A new arm.
@@ -270,7 +272,7 @@ class Arm(Shown):
             ArmError: The options leave no arm.
             ParameterError: An option at fault.
         """
-        options = {"payload": payload, "armature": armature, "lock": lock, "gravity": gravity}
+        options = {"payload": payload, "armature": armature, "lock": lock, "gravity": gravity, "repair": repair}
         return self.made_of.vary(
             self, {name: value for name, value in options.items() if not isinstance(value, Unchanged)}
         )

@@ -40,6 +40,7 @@ class Variant:
     armature: Array | dict[str, float] | None = None
     lock: dict[str, float | str | None] | None = None
     gravity: Array | None = None
+    repair: bool | None = None
 
 
 def read_variant(
@@ -48,6 +49,7 @@ def read_variant(
     armature: Armature | None = None,
     lock: Lock | None = None,
     gravity: Gravity | None = None,
+    repair: bool | None = None,
 ) -> Variant:
     """Copy and check what can be checked without the arm.
 
@@ -59,6 +61,7 @@ def read_variant(
         armature=dict(armature) if isinstance(armature, Mapping) else _numbers("armature", armature),
         lock=dict(lock) if lock is not None else None,
         gravity=_gravity(gravity),
+        repair=_switch("repair", repair),
     )
 
 
@@ -159,6 +162,12 @@ def _gravity(gravity: Gravity | None) -> Array | None:
         raise ParameterError("gravity", f"{gravity!r} given, at most {LARGEST_GRAVITY:g} m/s² expected")
     if value is not None:
         check_gravity(value)
+    return value
+
+
+def _switch(parameter: str, value: Any) -> bool | None:
+    if value is not None and not isinstance(value, bool):
+        raise ParameterError(parameter, f"{value!r} given, True or False expected")
     return value
 
 

@@ -23,14 +23,17 @@ from asmc_pin.arms.arm_options import (
     resolve_armature,
     resolve_locks,
 )
-from asmc_pin.arms.pinocchio_model import bare_model, carry, check_mass_matrix, last_link, set_limits
+from asmc_pin.arms.moving_bodies import MovingBody, check_bodies, moving_bodies
+from asmc_pin.arms.pinocchio_model import bare_model, carry, check_mass_matrix, last_link, set_limits, whole_model
 from asmc_pin.arms.pinocchio_tree import tree_of
 from asmc_pin.arms.registry import ArmEntry, find, package_dirs
+from asmc_pin.arms.repairing import repaired
 from asmc_pin.arms.urdf.magnitudes import MOVING_JOINTS
 from asmc_pin.arms.urdf.urdf_document import read_document
 from asmc_pin.arms.urdf.urdf_reading import Joint, Robot, read_robot
 from asmc_pin.disk.reading import shown
 from asmc_pin.errors import ArmError
+from asmc_pin.words.interface import lock_words
 from asmc_pin.words.text import printable
 
 
@@ -41,6 +44,7 @@ def load_arm(
     armature: Armature | None = None,
     lock: Lock | None = None,
     gravity: Gravity | None = None,
+    repair: bool = False,
 ) -> Arm:
     """Load an arm.
 
@@ -54,6 +58,8 @@ def load_arm(
             frees one.
         gravity: Acceleration of gravity in the base frame, m/s²; default (0, 0, −9.81). (0, 0, 9.81) hangs the arm
             from a ceiling.
+        repair: Whether inertia tensors that no rigid body has are taken to the nearest that one has. `Arm.provisos`
+            says which, and by how much; `Arm.urdf_text` is the repaired URDF.
 
     Returns:
         The arm. `Arm.warnings` says what was taken otherwise than written.
@@ -63,7 +69,7 @@ def load_arm(
         ParameterError: An option at fault.
     """
     path, entry = find(source)
-    variant = read_variant(payload=payload, armature=armature, lock=lock, gravity=gravity)
+    variant = read_variant(payload=payload, armature=armature, lock=lock, gravity=gravity, repair=repair)
     return assemble(Recipe(read_robot(read_document(path)), entry, variant))
 
 
@@ -105,7 +111,12 @@ def assemble(recipe: Recipe) -> Arm:
     """
     robot, entry, variant = recipe.robot, recipe.entry, recipe.variant
     locked = resolve_locks(robot, entry.locks if entry else {}, variant.lock)
-    model = bare_model(robot, locked)
+    whole = whole_model(robot)
+    if variant.repair:
+        robot = repaired(robot, whole, locked)
+        whole = whole_model(robot)
+    model = bare_model(robot, whole, locked)
+    bodies = moving_bodies(robot, model)
     joints = [robot.joints[name] for name in model.names[1:]]
     names = tuple(joint.name for joint in joints)
     _check_mimics(robot, joints, variant.lock or {})
@@ -115,6 +126,7 @@ def assemble(recipe: Recipe) -> Arm:
             f"{shown(robot.path)}: has {len(joints)} moving joints, and at most {MOVING_JOINTS} are computed with; "
             "lock the rest",
         )
+    check_bodies(robot, bodies)
     model.armature = resolve_armature(names, entry.armature if entry else {}, variant.armature)
     model.gravity.linear = np.array(GRAVITY) if variant.gravity is None else variant.gravity
     set_limits(model, joints)
@@ -139,7 +151,7 @@ def assemble(recipe: Recipe) -> Arm:
         link_names=tuple(frame.name for frame in model.frames if frame.type == pin.FrameType.BODY),
         locked=MappingProxyType(locked),
         payload=payload,
-        warnings=(*robot.warnings, *_warnings(robot, joints, locked)),
+        warnings=tuple(_warnings(robot, joints, bodies, locked)),
         provisos=robot.provisos,
         source=robot.path,
         sha256=robot.sha256,
@@ -185,12 +197,14 @@ def _check_mimics(robot: Robot, joints: Sequence[Joint], lock: Lock) -> None:
             raise ArmError(
                 robot.path,
                 f"{joint.where}: it mimics joint '{master}', and coupled joints are not supported. Lock '{master}' and "
-                f"'{joint.name}' follows: lock={{'{master}': 0.0}}. To treat them as two motors, free it: "
-                f"lock={{'{joint.name}': 'free'}}",
+                f"'{joint.name}' follows: {lock_words({master: 0.0})}. To treat them as two motors, free it: "
+                f"{lock_words({joint.name: 'free'})}",
             )
 
 
-def _warnings(robot: Robot, joints: Sequence[Joint], locked: Mapping[str, float]) -> list[str]:
+def _warnings(
+    robot: Robot, joints: Sequence[Joint], bodies: Sequence[MovingBody], locked: Mapping[str, float]
+) -> list[str]:
     found = [
         ("position limits", [j.name for j in joints if np.isinf(j.upper - j.lower) and not j.continuous], "no limit"),
         ("effort limits", [j.name for j in joints if np.isinf(j.effort)], "unlimited torque"),
@@ -201,6 +215,10 @@ def _warnings(robot: Robot, joints: Sequence[Joint], locked: Mapping[str, float]
         for what, names, meaning in found
         if names
     ]
+    for link in (link for body in bodies for link in body.links):
+        own = robot.inertials.get(link)
+        if own is not None and own.mass == 0.0 and np.any(own.written):
+            warnings.append(f"link '{link}' has a rotational inertia but no mass; both are taken as written")
     sliding = [joint.name for joint in joints if joint.kind == "prismatic"]
     if sliding:
         warnings.append(f"prismatic: {', '.join(sliding)}; m, m/s, N and kg there, not rad, rad/s, N·m and kg·m²")

@@ -51,6 +51,9 @@ class LoadingOptions:
             help="Lock a joint at an angle, rad or m; 'free' frees a gripper's. Repeatable.",
         ),
     ] = None
+    repair: Annotated[
+        bool, typer.Option("--repair", help="Take inertia tensors that no rigid body has to the nearest, and say so.")
+    ] = False
     gravity: Annotated[
         str | None,
         typer.Option(
@@ -133,6 +136,8 @@ def load_keywords(loading: LoadingOptions) -> tuple[dict[str, Any], dict[str, An
         ranges["lock"] = choices
     if held:
         single["lock"] = held
+    if loading.repair:
+        single["repair"] = True
     if loading.gravity is not None:
         single["gravity"] = numbers(loading.gravity, "--gravity")
     return single, ranges
@@ -156,6 +161,8 @@ def open_domain(source: str, loading: LoadingOptions) -> tuple[Arm, dict[str, An
     from asmc_pin.arms import load_arm
 
     arm = load_arm(source, **single)
+    for proviso in arm.provisos:
+        note(f"{proviso.kind}: {proviso.text}")
     for warning in arm.warnings:
         note(f"warning: {warning}")
     return arm, ranges

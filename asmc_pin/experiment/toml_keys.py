@@ -144,6 +144,9 @@ class ArmTable(TomlTable):
         max_length=3,
         description="gravity in the base frame, m/s²; [0, 0, -9.81] if omitted",
     )
+    repair: bool = Field(
+        default=False, description="take inertia tensors that no rigid body has to the nearest possible ones"
+    )
 
 
 def arm_table(value: Any) -> Any:

@@ -154,7 +154,11 @@ def read_document(path: Path) -> Document:
     Raises:
         ArmError: The file cannot be read, is too large or not well-formed, declares entities, or is xacro, MJCF or SDF.
     """
-    content = read_file(path, LARGEST, "a URDF", lambda text: ArmError(path, text))
+    return document_from(path, read_file(path, LARGEST, "a URDF", lambda text: ArmError(path, text)))
+
+
+def document_from(path: Path, content: bytes) -> Document:
+    """The same of what stands in a file already; see `read_document`."""
     text = decode_xml(path, content)
     # Both parsers see the same bytes: what one reads otherwise than the other is a way past the first.
     data = without_declared_encoding(text).encode("utf-8")
