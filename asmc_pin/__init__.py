@@ -125,7 +125,5 @@ if TYPE_CHECKING:
     from asmc_pin.study.run_monitors import Theorems as Theorems
     from asmc_pin.study.viewing import view as view
     from asmc_pin.tool_error import ToolError as ToolError
-    from asmc_pin.words.repaired import RepairedTensor as RepairedTensor
-    from asmc_pin.words.repaired import RepairRecord as RepairRecord
 
 __getattr__, __dir__, __all__ = load_on_first_use(__name__)

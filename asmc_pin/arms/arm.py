@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from asmc_pin._typing import Array, BoolArray
-from asmc_pin.arms.arm_options import UNCHANGED, Armature, Gravity, Load, Lock, Unchanged, Variant
+from asmc_pin.arms.arm_options import UNCHANGED, Armature, ChainEnds, Gravity, Load, Lock, Unchanged, Variant
 from asmc_pin.arms.payload import Payload
 from asmc_pin.arms.registry import ArmEntry
 from asmc_pin.arms.urdf.urdf_reading import Robot
@@ -255,6 +255,7 @@ class Arm(Shown):
         lock: Lock | Unchanged | None = UNCHANGED,
         gravity: Gravity | Unchanged | None = UNCHANGED,
         repair: bool | Unchanged | None = UNCHANGED,
+        chain: ChainEnds | Unchanged | None = UNCHANGED,
     ) -> Arm:
         """The same URDF with other options; one that is not given stays as it is, None takes it away.
 
@@ -264,6 +265,7 @@ class Arm(Shown):
             lock: As in `load_arm`; replaces all earlier locks except the entry's own.
             gravity: As in `load_arm`.
             repair: As in `load_arm`.
+            chain: As in `load_arm`.
 
         Returns:
             A new arm.
@@ -272,7 +274,14 @@ class Arm(Shown):
             ArmError: The options leave no arm.
             ParameterError: An option at fault.
         """
-        options = {"payload": payload, "armature": armature, "lock": lock, "gravity": gravity, "repair": repair}
+        options = {
+            "payload": payload,
+            "armature": armature,
+            "lock": lock,
+            "gravity": gravity,
+            "repair": repair,
+            "chain": chain,
+        }
         return self.made_of.vary(
             self, {name: value for name, value in options.items() if not isinstance(value, Unchanged)}
         )

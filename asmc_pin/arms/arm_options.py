@@ -23,6 +23,7 @@ Load = float | Payload | Mapping[str, Any]
 Armature = float | Sequence[float] | Array | Mapping[str, float]
 Lock = Mapping[str, "float | str | None"]
 Gravity = Sequence[float] | Array
+ChainEnds = tuple[str, str]
 
 
 class Unchanged:
@@ -41,6 +42,7 @@ class Variant:
     lock: dict[str, float | str | None] | None = None
     gravity: Array | None = None
     repair: bool | None = None
+    chain: ChainEnds | None = None
 
 
 def read_variant(
@@ -50,6 +52,7 @@ def read_variant(
     lock: Lock | None = None,
     gravity: Gravity | None = None,
     repair: bool | None = None,
+    chain: ChainEnds | None = None,
 ) -> Variant:
     """Copy and check what can be checked without the arm.
 
@@ -62,6 +65,7 @@ def read_variant(
         lock=dict(lock) if lock is not None else None,
         gravity=_gravity(gravity),
         repair=_switch("repair", repair),
+        chain=_ends(chain),
     )
 
 
@@ -163,6 +167,14 @@ def _gravity(gravity: Gravity | None) -> Array | None:
     if value is not None:
         check_gravity(value)
     return value
+
+
+def _ends(value: Any) -> ChainEnds | None:
+    if value is None:
+        return None
+    if isinstance(value, str) or len(value) != 2 or not all(isinstance(name, str) for name in value):
+        raise ParameterError("chain", f"{value!r} given, two links expected: the base and the tip")
+    return value[0], value[1]
 
 
 def _switch(parameter: str, value: Any) -> bool | None:

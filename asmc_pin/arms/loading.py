@@ -15,6 +15,7 @@ from asmc_pin.arms.arm import Arm
 from asmc_pin.arms.arm_options import (
     GRAVITY,
     Armature,
+    ChainEnds,
     Gravity,
     Load,
     Lock,
@@ -23,6 +24,7 @@ from asmc_pin.arms.arm_options import (
     resolve_armature,
     resolve_locks,
 )
+from asmc_pin.arms.joint_choice import longest_chain, named_locks
 from asmc_pin.arms.moving_bodies import MovingBody, check_bodies, moving_bodies
 from asmc_pin.arms.pinocchio_model import bare_model, carry, check_mass_matrix, last_link, set_limits, whole_model
 from asmc_pin.arms.pinocchio_tree import tree_of
@@ -33,7 +35,7 @@ from asmc_pin.arms.urdf.urdf_document import read_document
 from asmc_pin.arms.urdf.urdf_reading import Joint, Robot, read_robot
 from asmc_pin.disk.reading import shown
 from asmc_pin.errors import ArmError
-from asmc_pin.words.interface import lock_words
+from asmc_pin.words.interface import chain_words, lock_words
 from asmc_pin.words.text import printable
 
 
@@ -45,6 +47,7 @@ def load_arm(
     lock: Lock | None = None,
     gravity: Gravity | None = None,
     repair: bool = False,
+    chain: ChainEnds | None = None,
 ) -> Arm:
     """Load an arm.
 
@@ -54,12 +57,15 @@ def load_arm(
             mapping with its fields, with centre, inertia and link.
         armature: Reflected rotor inertia (rotor inertia times gear ratio squared), kg·m² (kg where prismatic), on the
             diagonal of M: one value, one per joint, or joint to value. Takes the place of what the arm's entry has.
-        lock: Joint to value, rad (m): the joint is rigid there. Added to the entry's default locks; None or ``"free"``
-            frees one.
+        lock: Joint to value, rad (m): the joint is rigid there. A pattern such as ``left_*`` stands for all joints that
+            it matches, an exact name goes before it; ``grippers`` for all joints of grippers. Added to the entry's
+            default locks; None or ``"free"`` frees one.
         gravity: Acceleration of gravity in the base frame, m/s²; default (0, 0, −9.81). (0, 0, 9.81) hangs the arm
             from a ceiling.
         repair: Whether inertia tensors that no rigid body has are taken to the nearest that one has. `Arm.provisos`
             says which, and by how much; `Arm.urdf_text` is the repaired URDF.
+        chain: Links (base, tip): only joints between them move; the others are locked where they are nearest to zero,
+            unless `lock` says otherwise.
 
     Returns:
         The arm. `Arm.warnings` says what was taken otherwise than written.
@@ -69,7 +75,7 @@ def load_arm(
         ParameterError: An option at fault.
     """
     path, entry = find(source)
-    variant = read_variant(payload=payload, armature=armature, lock=lock, gravity=gravity, repair=repair)
+    variant = read_variant(payload=payload, armature=armature, lock=lock, gravity=gravity, repair=repair, chain=chain)
     return assemble(Recipe(read_robot(read_document(path)), entry, variant))
 
 
@@ -110,7 +116,8 @@ def assemble(recipe: Recipe) -> Arm:
         ParameterError: An option at fault.
     """
     robot, entry, variant = recipe.robot, recipe.entry, recipe.variant
-    locked = resolve_locks(robot, entry.locks if entry else {}, variant.lock)
+    asked = _asked_locks(robot, entry, variant)
+    locked = resolve_locks(robot, entry.locks if entry else {}, asked)
     whole = whole_model(robot)
     if variant.repair:
         robot = repaired(robot, whole, locked)
@@ -119,12 +126,13 @@ def assemble(recipe: Recipe) -> Arm:
     bodies = moving_bodies(robot, model)
     joints = [robot.joints[name] for name in model.names[1:]]
     names = tuple(joint.name for joint in joints)
-    _check_mimics(robot, joints, variant.lock or {})
+    _check_mimics(robot, joints, asked)
     if len(joints) > MOVING_JOINTS:
         raise ArmError(
             robot.path,
-            f"{shown(robot.path)}: has {len(joints)} moving joints, and at most {MOVING_JOINTS} are computed with; "
-            "lock the rest",
+            f"{shown(robot.path)}: has {len(joints)} moving joints, and at most {MOVING_JOINTS} are computed with. "
+            f"Keep one arm of it, {chain_words(*longest_chain(robot))}, or lock some, by name or pattern: "
+            f"{lock_words({'left_*': 0.0})}",
         )
     check_bodies(robot, bodies)
     model.armature = resolve_armature(names, entry.armature if entry else {}, variant.armature)
@@ -178,10 +186,14 @@ def vary(arm: Arm, changes: Mapping[str, Any]) -> Arm:
     # A payload stays on its link even where the new locks make another link the last one.
     new = replace(replace(variant, payload=arm.payload), **{name: getattr(asked, name) for name in changes})
     if "lock" in changes and "armature" not in changes and variant.armature is not None:
-        held = resolve_locks(robot, entry.locks if entry else {}, new.lock)
+        held = resolve_locks(robot, entry.locks if entry else {}, _asked_locks(robot, entry, new))
         kept = zip(arm.joint_names, arm.armature.tolist(), strict=True)
         new = replace(new, armature={name: value for name, value in kept if name not in held})
     return assemble(Recipe(robot, entry, new))
+
+
+def _asked_locks(robot: Robot, entry: ArmEntry | None, variant: Variant) -> Lock:
+    return named_locks(robot, entry.locks if entry else {}, variant.lock or {}, variant.chain)
 
 
 def _frozen(values: Any, dtype: Any = np.float64) -> Any:

@@ -48,7 +48,14 @@ class LoadingOptions:
         typer.Option(
             "--lock",
             metavar="JOINT=ANGLE",
-            help="Lock a joint at an angle, rad or m; 'free' frees a gripper's. Repeatable.",
+            help="Lock a joint at an angle, rad or m, or all that a pattern such as 'left_*' matches; 'grippers' locks "
+            "those of grippers; 'free' frees one. Repeatable.",
+        ),
+    ] = None
+    chain: Annotated[
+        str | None,
+        typer.Option(
+            "--chain", metavar="BASE:TIP", help="Keep the joints between two links; the others are locked near zero."
         ),
     ] = None
     repair: Annotated[
@@ -127,15 +134,21 @@ def load_keywords(loading: LoadingOptions) -> tuple[dict[str, Any], dict[str, An
         if value is not None:
             spread = isinstance(value, tuple) or (isinstance(value, list) and any(isinstance(x, tuple) for x in value))
             (ranges if spread else single)[name] = value
-    given = assignments(loading.lock, "--lock", "JOINT=ANGLE or JOINT=free")
+    items = [f"{item}=0" if item.strip() == "grippers" else item for item in loading.lock or ()]
+    given = assignments(items, "--lock", "JOINT=ANGLE or JOINT=free")
     locks = {joint: numbers(value, "--lock") for joint, value in given.items() if value != "free"}
-    held: dict[str, Any] = {joint: angles[0] for joint, angles in locks.items() if len(angles) == 1}
+    held: dict[str, Any] = {joint: angles[0] for joint, angles in locks.items()}
     held |= {joint: None for joint, value in given.items() if value == "free"}
     choices = {joint: angles for joint, angles in locks.items() if len(angles) > 1}
     if choices:
         ranges["lock"] = choices
     if held:
         single["lock"] = held
+    if loading.chain is not None:
+        ends = loading.chain.split(":")
+        if len(ends) != 2 or not all(ends):
+            raise ParameterError("--chain", f"'{loading.chain}' is not of the form BASE:TIP, two names of links")
+        single["chain"] = (ends[0], ends[1])
     if loading.repair:
         single["repair"] = True
     if loading.gravity is not None:

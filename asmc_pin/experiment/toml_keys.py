@@ -136,7 +136,14 @@ class ArmTable(TomlTable):
         description="reflected rotor inertia, kg·m² (kg): per joint, or joint = value; else the arm's own",
     )
     lock: Annotated[dict[str, Any] | None, BeforeValidator(_lock), WithJsonSchema(_LOCK_SCHEMA)] = Field(
-        default=None, description='joints to fix: name = angle, rad (m); "free" frees one that is locked by default'
+        default=None,
+        description='joints to fix: name or pattern = angle, rad (m); "free" frees one that is locked by default',
+    )
+    chain: list[str] | None = Field(
+        default=None,
+        min_length=2,
+        max_length=2,
+        description="links, base and tip: only joints between them move, the others are locked near zero",
     )
     gravity: list[float] | None = Field(
         default=None,

@@ -58,11 +58,8 @@ def read_repair(document: Document) -> tuple[Proviso, ...]:
         return ()
     links = {link.get("name"): link for link in document.root.findall("link")}
     try:
-        return tuple(
-            _changed(part, links[part.get("link")].find("inertial/inertia"), _digest(record))
-            for record in records
-            for part in record.findall(_PART)
-        )
+        parts = [(part, _digest(record)) for record in records for part in record.findall(_PART) or [record]]
+        return tuple(_changed(part, links[part.get("link")].find("inertial/inertia"), sha) for part, sha in parts)
     except (KeyError, ValueError, AttributeError):
         raise ArmError(
             document.path,

@@ -83,6 +83,7 @@ class Robot:
         joints: Joints that can move, by name.
         fixed: Names of the joints that cannot.
         links: Names of the links.
+        carried: By link, the joint that carries it and the link that this hangs on; the base has none.
         xml: The same robot for Pinocchio: dynamics only, every continuous joint an unbounded revolute one, and
             `JOINT_PREFIX` before every joint's name.
         inertials: Masses and tensors as they are written, by link; links without are left out.
@@ -95,6 +96,7 @@ class Robot:
     joints: Mapping[str, Joint]
     fixed: tuple[str, ...]
     links: tuple[str, ...]
+    carried: Mapping[str, tuple[str, str]]
     xml: str
     inertials: Mapping[str, LinkInertia]
     provisos: tuple[Proviso, ...]
@@ -238,6 +240,7 @@ def read_robot(document: Document) -> Robot:
         joints={j.name: _joint(document, j, elements[j.name]) for j in raw.joints if j.type in MOVING},
         fixed=tuple(j.name for j in raw.joints if j.type not in MOVING),
         links=tuple(link.name for link in raw.links),
+        carried={joint.child: (joint.name, joint.parent) for joint in raw.joints},
         xml=_pinocchio_xml(root),
         inertials=_inertials(document, raw.links),
         provisos=tuple(dict.fromkeys((*document.provisos, *read_repair(document)))),
