@@ -125,5 +125,6 @@ if TYPE_CHECKING:
     from asmc_pin.study.run_monitors import Theorems as Theorems
     from asmc_pin.study.viewing import view as view
     from asmc_pin.tool_error import ToolError as ToolError
+    from asmc_pin.words.provisos import Proviso as Proviso
 
 __getattr__, __dir__, __all__ = load_on_first_use(__name__)

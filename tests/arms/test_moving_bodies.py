@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from arm_urdf import inertial, joint, link, robot, two_joints, write
 
-from asmc_pin import certify, check, load_arm
+from asmc_pin import agree, certify, check, load_arm
 from asmc_pin.arms.urdf.rigid_inertia import tensor_problem
 from asmc_pin.errors import ArmError
 
@@ -83,3 +83,11 @@ def test_a_certificate_speaks_of_the_merged_bodies_and_is_replayed(tmp_path: Pat
     found = certify(arm, 0.02, condition="weighted", gap=0.2, budget=60.0, levels=False)
     replayed = check(found.save(tmp_path / "merged.cert"))
     assert replayed.valid, replayed.problems
+
+
+def test_mujoco_judges_links_alone_and_is_given_the_merged_body(tmp_path: Path) -> None:
+    heavy = inertial(0.02, inertia=np.diag([0.0, 0.0, 4e-4]), rpy="0.4 0.2 -0.7")
+    text = on("lower", heavy).replace(link("base"), link("base", inertial(1.0, inertia=-np.eye(3))))
+    report = agree(load_arm(write(tmp_path, text)))
+    assert report.verdict == "agrees"
+    assert report.mass_error < 1e-12
