@@ -76,6 +76,10 @@ if TYPE_CHECKING:
     from asmc_pin.experiment import Experiment as Experiment
     from asmc_pin.experiment import experiment_names as experiment_names
     from asmc_pin.experiment import load_experiment as load_experiment
+    from asmc_pin.inspection import Doubt as Doubt
+    from asmc_pin.inspection import Inspection as Inspection
+    from asmc_pin.inspection import inspect as inspect
+    from asmc_pin.inspection.inspection_report import InspectedJoint as InspectedJoint
     from asmc_pin.metrics import METRICS as METRICS
     from asmc_pin.metrics import Metric as Metric
     from asmc_pin.metrics import MetricSettings as MetricSettings

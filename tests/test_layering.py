@@ -75,6 +75,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     },
     "results": {"arms", "references", "plant", "engine", "metrics", "monitors", "experiment"},
     "viewer": {"arms", "metrics", "experiment", "results"},
+    "inspection": {"arms", "viewer"},
     "pages": {
         "arms",
         "controllers",

@@ -87,4 +87,4 @@ def _rotation(quaternion: Any) -> Array:
     w, *xyz = np.array(quaternion) / np.linalg.norm(quaternion)
     x, y, z = xyz
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + 2.0 * w * cross + 2.0 * cross @ cross
+    return np.asarray(np.eye(3) + 2.0 * w * cross + 2.0 * cross @ cross)

@@ -74,9 +74,14 @@ def load_arm(
         ArmError: Unknown name, or a URDF at fault.
         ParameterError: An option at fault.
     """
+    options = {"payload": payload, "armature": armature, "lock": lock, "gravity": gravity}
+    return assemble(recipe_of(source, **options, repair=repair, chain=chain))
+
+
+def recipe_of(source: str | Path, **options: Any) -> Recipe:
+    """What `load_arm` makes an arm of, read and not judged; arguments as there."""
     path, entry = find(source)
-    variant = read_variant(payload=payload, armature=armature, lock=lock, gravity=gravity, repair=repair, chain=chain)
-    return assemble(Recipe(read_robot(read_document(path)), entry, variant))
+    return Recipe(read_robot(read_document(path)), entry, read_variant(**options))
 
 
 @dataclass(frozen=True)
@@ -102,6 +107,43 @@ class Recipe:
         return vary(arm, changes)
 
 
+@dataclass(frozen=True, eq=False)
+class Unjudged:
+    """A robot and its moving bodies, before anything is refused of them.
+
+    Attributes:
+        robot: The URDF, repaired where that was asked for.
+        model: Pinocchio's, locked joints merged; neither armature nor payload in it.
+        bodies: What moves, one a joint.
+        locked: Joints that were locked, and where.
+        asked: Locks as they were asked for, joint by joint.
+    """
+
+    robot: Robot
+    model: pin.Model
+    bodies: list[MovingBody]
+    locked: dict[str, float]
+    asked: Lock
+
+
+def put_together(recipe: Recipe) -> Unjudged:
+    """Merge what fixed and locked joints hold together.
+
+    Raises:
+        ArmError: Pinocchio refuses the file, or nothing moves.
+        ParameterError: A lock or a chain at fault.
+    """
+    robot, entry, variant = recipe.robot, recipe.entry, recipe.variant
+    asked = _asked_locks(robot, entry, variant)
+    locked = resolve_locks(robot, entry.locks if entry else {}, asked)
+    whole = whole_model(robot)
+    if variant.repair:
+        robot = repaired(robot, whole, locked)
+        whole = whole_model(robot)
+    model = bare_model(robot, whole, locked)
+    return Unjudged(robot, model, moving_bodies(robot, model), locked, asked)
+
+
 def assemble(recipe: Recipe) -> Arm:
     """Make the arm that a checked URDF and its options stand for.
 
@@ -115,18 +157,12 @@ def assemble(recipe: Recipe) -> Arm:
         ArmError: The URDF and the options together make no arm.
         ParameterError: An option at fault.
     """
-    robot, entry, variant = recipe.robot, recipe.entry, recipe.variant
-    asked = _asked_locks(robot, entry, variant)
-    locked = resolve_locks(robot, entry.locks if entry else {}, asked)
-    whole = whole_model(robot)
-    if variant.repair:
-        robot = repaired(robot, whole, locked)
-        whole = whole_model(robot)
-    model = bare_model(robot, whole, locked)
-    bodies = moving_bodies(robot, model)
-    joints = [robot.joints[name] for name in model.names[1:]]
+    parts = put_together(recipe)
+    robot, model, bodies, locked = parts.robot, parts.model, parts.bodies, parts.locked
+    entry, variant = recipe.entry, recipe.variant
+    joints = [body.joint for body in bodies]
     names = tuple(joint.name for joint in joints)
-    _check_mimics(robot, joints, asked)
+    _check_mimics(robot, joints, parts.asked)
     if len(joints) > MOVING_JOINTS:
         raise ArmError(
             robot.path,

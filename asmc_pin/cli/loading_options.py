@@ -178,7 +178,31 @@ def open_domain(source: str, loading: LoadingOptions) -> tuple[Arm, dict[str, An
         note(f"{proviso.kind}: {proviso.text}")
     for warning in arm.warnings:
         note(f"warning: {warning}")
+    tell_doubts(arm, source)
     return arm, ranges
+
+
+def tell_doubts(arm: Arm, source: str) -> None:
+    """Say on standard error what puts an arm's M(q) in doubt, a line each, and where there is more."""
+    from asmc_pin.inspection.inspecting import serious_doubts
+
+    doubts = serious_doubts(arm)
+    for doubt in doubts:
+        note(f"doubt: {doubt.text}")
+    if doubts:
+        note(f"'asmc-pin inspect {source}' shows what was read")
+
+
+def single_keywords(loading: LoadingOptions) -> dict[str, Any]:
+    """Keywords of `load_arm`, where a range means nothing.
+
+    Raises:
+        ParameterError: An option gives a range or a choice.
+    """
+    single, ranges = load_keywords(loading)
+    if ranges:
+        raise ParameterError(f"--{next(iter(ranges))}", "one value expected here, not a range")
+    return single
 
 
 def open_single(source: str, loading: LoadingOptions) -> Arm:
@@ -187,7 +211,6 @@ def open_single(source: str, loading: LoadingOptions) -> Arm:
     Raises:
         ParameterError: An option gives a range or a choice.
     """
-    arm, ranges = open_domain(source, loading)
-    if ranges:
-        raise ParameterError(f"--{next(iter(ranges))}", "one value expected here, not a range")
+    single_keywords(loading)
+    arm, _ = open_domain(source, loading)
     return arm

@@ -42,6 +42,7 @@ class DrawnBody:
         axis: Joint axis in the joint's frame, shape (3,).
         prismatic: It slides along the axis rather than turning about it.
         mesh: What is drawn, in the joint's frame.
+        opacity: 1 where nothing behind it is seen.
     """
 
     parent: int
@@ -50,6 +51,7 @@ class DrawnBody:
     axis: Array
     prismatic: bool
     mesh: Shaded
+    opacity: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,7 @@ class DrawnArm:
         upright: Rotation that turns the arm's gravity downwards, shape (4, 4): an arm under a ceiling hangs.
         tip: DrawnBody and point in its frame, m, whose path is drawn.
         notes: What a person should know of the picture, such as missing meshes.
+        marks: What is drawn besides and stands still in some body, see `with_marks`.
     """
 
     name: str
@@ -69,6 +72,7 @@ class DrawnArm:
     upright: Array
     tip: tuple[int, Array]
     notes: tuple[str, ...]
+    marks: tuple[DrawnBody, ...] = ()
 
     def poses(self, q: Array) -> Array:
         """Poses of the bodies in the base frame. Shape of q (..., nv); of the result (..., nv + 1, 4, 4)."""
