@@ -58,16 +58,18 @@ class Pace:
         tell: Called every round.
         clock: Runs since the beginning, compiling left out.
         doing: What is being looked for now, in words.
+        until: Time at which that has to end, where others come after it, s.
     """
 
     budget: float = np.inf
     tell: Callable[[DesignProgress], None] | None = None
     clock: Clock = field(default_factory=Clock)
     doing: str = ""
+    until: float = np.inf
 
     def left(self) -> float:
-        """Time left, s; below zero when it is up."""
-        return self.budget - self.clock.seconds()
+        """Time left for what is being done, s; below zero when it is up."""
+        return min(self.budget, self.until) - self.clock.seconds()
 
     def say(self, rounds: int, bound: float, norm: float) -> None:
         """Tell how it goes."""
@@ -81,7 +83,7 @@ class Active:
     """The configurations that the program knows, shared between programs on the same domains.
 
     Attributes:
-        domains: One per payload end and lock choice.
+        domains: One per payload end and lock choice, of the whole arm or all of one branch.
         masses: M_j, shape (configurations, nv, nv).
         q: Their configurations, shape (configurations, nv).
         armature: Their armatures, shape (configurations, nv).
@@ -96,19 +98,21 @@ class Active:
     case: IntArray = field(init=False)
 
     def __post_init__(self) -> None:
-        nv = self.domains[0].arm.nv
+        nv = self.joints.size
         self.masses, self.q, self.armature = np.empty((0, nv, nv)), np.empty((0, nv)), np.empty((0, nv))
         self.case = np.empty(0, dtype=np.int64)
         for index, domain in enumerate(self.domains):
             q = sample_box(domain.box, _FIRST, self.seed)
             self.add(index, q, np.tile(domain.armature_lower, (_FIRST, 1)))
 
+    @property
+    def joints(self) -> IntArray:
+        """Numbers of the joints that it is about."""
+        return self.domains[0].joints
+
     def add(self, case: int, q: Array, armature: Array) -> None:
         """Take in configurations of one domain."""
-        arm = self.domains[case].arm
-        extra = armature - arm.armature
-        masses = arm.mass_matrix(q) + np.einsum("bi,ij->bij", extra, np.eye(arm.nv))
-        self.masses = np.concatenate((self.masses, masses))
+        self.masses = np.concatenate((self.masses, self.domains[case].masses(q, armature)))
         self.q = np.concatenate((self.q, q))
         self.armature = np.concatenate((self.armature, armature))
         self.case = np.concatenate((self.case, np.full(len(q), case)))
