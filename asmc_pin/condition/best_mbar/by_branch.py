@@ -14,7 +14,7 @@ import numpy as np
 
 from asmc_pin._typing import Array, IntArray
 from asmc_pin.condition.best_mbar.convex_program import Bounds
-from asmc_pin.condition.best_mbar.exchange import TOLERANCE, Active, Exchanged, Pace, exchange
+from asmc_pin.condition.best_mbar.exchange import TOLERANCE, Active, Exchanged, Pace, Stopped, exchange
 from asmc_pin.condition.norm.two_conditions import Condition
 from asmc_pin.condition.search.samples import Domain
 
@@ -72,9 +72,9 @@ class Designed:
         return sum(part.rounds for part in self.parts)
 
     @property
-    def met(self) -> bool:
-        """Whether search and program met in each."""
-        return all(part.met for part in self.parts)
+    def stopped(self) -> Stopped:
+        """Why the exchange ended that did not meet, the first of them; ``met`` where all did."""
+        return next((part.stopped for part in self.parts if not part.met), "met")
 
     @property
     def limiting(self) -> list[int]:
@@ -135,7 +135,7 @@ def exchange_all(
         if found[k] is None:
             return None
     for k, part in enumerate(found):
-        if len(blocks) > 1 and part is not None and not part.met and pace.left() > 0.0:
+        if len(blocks) > 1 and part is not None and part.stopped == "time" and pace.left() > 0.0:
             before = part
             go(k, 1.0)
             after = found[k]

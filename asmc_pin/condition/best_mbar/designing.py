@@ -11,7 +11,7 @@ from asmc_pin.clock import Clock
 from asmc_pin.condition.best_mbar.by_branch import Designed, blocks_of, exchange_all
 from asmc_pin.condition.best_mbar.convex_program import Bounds, Form
 from asmc_pin.condition.best_mbar.design_report import DesignBranch, DesignPoint, DesignReport
-from asmc_pin.condition.best_mbar.exchange import DesignProgress, Pace
+from asmc_pin.condition.best_mbar.exchange import ROUNDS, DesignProgress, Pace
 from asmc_pin.condition.best_mbar.limits_of_mbar import limits_of, other_condition, what_armature_buys
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases
 from asmc_pin.condition.domain.joint_box import BoxLike
@@ -99,7 +99,7 @@ def design(
     blocks = blocks_of([case.domain for case in all_cases], limits, seed)
     least = exchange_all(blocks, condition, limits, pace=pace)
     assert least is not None
-    missing = [] if least.met else [f"a better M̄ than that of {least.rounds} programs"]
+    missing = _not_met(least, f"a better M̄ than that of {least.rounds} programs", pace)
     if least.bound >= 1.0:
         return _infeasible(all_cases, condition, objective, form, limits, least, clock.seconds())
     ceiling = 1.0 - MARGIN * (1.0 - least.norm) if level is None else level
@@ -111,7 +111,9 @@ def design(
     chosen = least if objective == "contraction" else fastest
     if chosen is None and least.norm <= ceiling:
         chosen = least
-        missing.append("the largest bandwidth, at which the solver failed")
+        missing.append("the largest bandwidth (the solver found no optimum)")
+    elif chosen is not None and chosen is not least:
+        missing += _not_met(chosen, f"a larger bandwidth than that of {chosen.rounds} programs", pace)
     if chosen is None:
         return _infeasible(all_cases, condition, objective, form, limits, least, clock.seconds())
     mbar = chosen.mbar
@@ -135,7 +137,7 @@ def design(
             pace.doing = "the weighted condition"
             extra["weighted"] = other_condition(all_cases, limits, mbar, seed, pace)
         if pace.left() <= 0.0:
-            missing.append("all that explains it")
+            missing.append(f"all that explains it ({_time_up(pace)})")
     if fastest is not None:
         curve.append(point_of(fastest))
     return DesignReport(
@@ -155,16 +157,24 @@ def design(
         by_armature=least.by_armature,
         trade_off=tuple(curve),
         branches=branches_of(all_cases, chosen),
-        unfinished=_unfinished(missing, pace),
+        unfinished=f"not looked for, or not to the end: {', '.join(missing)}" if missing else "",
         **extra,
     )
 
 
-def _unfinished(missing: list[str], pace: Pace) -> str:
-    if not missing:
-        return ""
-    why = f"the budget of {pace.budget:g} s was up" if pace.left() <= 0.0 else "search and program did not meet"
-    return f"{why}: not looked for, or not to the end: {', '.join(missing)}"
+def _not_met(outcome: Designed, what: str, pace: Pace) -> list[str]:
+    """What was not found, and why; nothing where search and program met."""
+    why = {
+        "met": "",
+        "time": _time_up(pace),
+        "rounds": f"search and program did not meet in {ROUNDS} programs",
+        "solver": "the solver found no optimum",
+    }[outcome.stopped]
+    return [f"{what} ({why})"] if why else []
+
+
+def _time_up(pace: Pace) -> str:
+    return f"the budget of {pace.budget:g} s was up"
 
 
 def point_of(outcome: Designed) -> DesignPoint:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 
@@ -19,13 +20,18 @@ from asmc_pin.condition.norm.two_conditions import Condition
 from asmc_pin.condition.search.samples import NORM, SCALE, Domain, sample_box
 from asmc_pin.condition.search.worst_case import Found, maximise
 
+Stopped = Literal["met", "time", "rounds", "solver"]
+
 TOLERANCE = 1e-3
 """Of 1 − γ (or of μ): how far the searched worst case may lie from the program's bound at the end."""
 
 _SMALLER = 0.9
 """Share taken of the factor at which a search saw M̄ break the condition: it may have missed a worse place."""
 
-_SAMPLES, _STARTS, _FIRST, _TAKEN, _ROUNDS, _CONFIRMING = 2048, 24, 12, 8, 60, 6
+ROUNDS = 60
+"""Programs after which an exchange ends."""
+
+_SAMPLES, _STARTS, _FIRST, _TAKEN, _CONFIRMING = 2048, 24, 12, 8, 6
 
 
 @dataclass(frozen=True)
@@ -136,7 +142,8 @@ class Exchanged:
         masses: What the last program knew: inertia matrices, shape (known, nv, nv), in the order of its weights.
         q: Their configurations, shape (known, nv).
         case: Index of their domain, shape (known,).
-        met: Whether search and program met; else the time was up, or they did not within the rounds allowed.
+        stopped: Why it ended: ``met``: search and program met. ``time``: it was up. ``rounds``: they did not meet in as
+            many programs as are allowed. ``solver``: it found no optimum.
     """
 
     solution: Solution
@@ -147,7 +154,12 @@ class Exchanged:
     masses: Array
     q: Array
     case: IntArray
-    met: bool
+    stopped: Stopped
+
+    @property
+    def met(self) -> bool:
+        """Whether search and program met."""
+        return self.stopped == "met"
 
 
 def exchange(
@@ -168,7 +180,7 @@ def exchange(
     pace = pace or Pace()
     configurations, effort, bound = 0, 1, 0.0
     best: Exchanged | None = None
-    for count in range(1, _ROUNDS + 1):
+    for count in range(1, ROUNDS + 1):
         pace.say(count, bound, np.inf if best is None else best.norm)
         if level is None:
             solution = contraction_program(active.masses, condition, bounds, pace.left())
@@ -178,7 +190,7 @@ def exchange(
         else:
             found_one = bandwidth_program(active.masses, condition, bounds, level, pace.left())
             if found_one is None:
-                return best
+                return None if best is None else replace(best, stopped="solver")
             solution = found_one
         pace.say(count, bound, np.inf if best is None else best.norm)
         goal = solution.value if level is None else level
@@ -220,7 +232,8 @@ def exchange(
         met = norm - goal <= TOLERANCE * abs(1.0 - goal) + 1e-9
         if level is not None:
             met = met and bandwidth >= solution.value * (1.0 - TOLERANCE)
-        now = Exchanged(solution, norm, bandwidth, count, configurations, *snapshot, met and effort > 1)
+        stopped: Stopped = "met" if met and effort > 1 else "rounds"
+        now = Exchanged(solution, norm, bandwidth, count, configurations, *snapshot, stopped)
         if now.met:
             return now
         # Stopped early, the M̄ of least norm that there was; with a level the last, of the program that knows most.
@@ -229,7 +242,7 @@ def exchange(
         if pace.left() <= 0.0:
             if level is None and best.norm >= 1.0:
                 best = _shrunk(active, condition, bounds, best)
-            return replace(best, solution=replace(best.solution, bound=bound), rounds=count)
+            return replace(best, solution=replace(best.solution, bound=bound), rounds=count, stopped="time")
         # A wider search has the last word; what it finds is taken in like the rest.
         effort = _CONFIRMING if met or new == 0 else 1
     return best

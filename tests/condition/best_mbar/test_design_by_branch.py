@@ -165,7 +165,7 @@ def test_each_branch_gets_its_share_of_the_budget(pair: Arm) -> None:
     assert found is not None
     # Even without time there is an M̄ of every branch.
     assert [part.rounds for part in found.parts] == [1, 1]
-    assert not found.met
+    assert found.stopped == "time"
     assert {"least norm, branch 1 of 2", "least norm, branch 2 of 2"} == set(seen)
     mbar: Array = found.mbar
     assert np.all(mbar > 0.0)
