@@ -55,8 +55,8 @@ class Worst:
         domain = self._cases[case].domain
         scale_kind, norm_kind = SCALE[self._condition], NORM[self._condition]
         at = found.q[None, :]
-        scale = _factor(scale_kind, float(evaluate(scale_kind, domain.arm, at, self._mbar, found.armature)[0]))
-        norm = float(evaluate(norm_kind, domain.arm, at, self._mbar, found.armature)[0])
+        scale = _factor(scale_kind, float(evaluate(scale_kind, domain.tree, at, self._mbar, found.armature)[0]))
+        norm = float(evaluate(norm_kind, domain.tree, at, self._mbar, found.armature)[0])
         if scale * (1.0 + STRICT) < self.scale:
             self.scale, self.scale_q = scale * (1.0 + STRICT), found.q
             self.scale_armature, self.scale_case = found.armature, case

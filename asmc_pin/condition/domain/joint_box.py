@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from asmc_pin._typing import Array, BoolArray
+from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.arms.urdf.magnitudes import LIMIT
 from asmc_pin.condition.hypotheses import WHOLE_TURN
 from asmc_pin.errors import ParameterError
@@ -48,6 +48,10 @@ class Box:
     def centre(self) -> Array:
         """The middle of the box, shape (nv,)."""
         return 0.5 * (self.lower + self.upper)
+
+    def of(self, joints: IntArray) -> Box:
+        """The box of some of the joints."""
+        return Box(self.lower[joints], self.upper[joints], self.periodic[joints], self.idle[joints])
 
     def wrap(self, q: Array) -> Array:
         """The configuration of the box that is q up to whole turns of periodic joints; others are clipped."""

@@ -12,6 +12,7 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
 from asmc_pin.condition.certificate.compiled.bisection_tree import LEAF
+from asmc_pin.condition.certificate.stopping import INTERRUPTED
 from asmc_pin.condition.certificate.strategy import ProofProgress
 from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.certificate.writing import Proof, seen
@@ -87,7 +88,7 @@ def bounds(
     clock = Clock()
     extremes = [Extreme(all_cases, weights, side, samples=_SAMPLES, starts=_STARTS, seed=seed) for side in _SIDES]
     proven: list[float | None] = [None, None]
-    reasons = ["interrupted", "interrupted"]
+    reasons = [INTERRUPTED, INTERRUPTED]
     proofs: list[Proof] = []
     tests = sum(extreme.evaluations for extreme in extremes)
     try:
@@ -104,7 +105,7 @@ def bounds(
             try:
                 prover.raise_scale(gap)
             finally:
-                proven[k], reasons[k] = prover.bound, prover.reason or "interrupted"
+                proven[k], reasons[k] = prover.bound, prover.reason or INTERRUPTED
                 proofs += prover.proofs.get("scale", ())
                 tests += prover.tests
     except KeyboardInterrupt:
