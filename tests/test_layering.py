@@ -39,6 +39,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "lazy": set(),
     "clock": set(),
     "registering": set(),
+    "statistics": set(),
     "words": set(),
     "disk": set(),
     "parameters": set(),
@@ -73,7 +74,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "metrics",
         "parameters",
     },
-    "results": {"arms", "references", "plant", "engine", "metrics", "monitors", "experiment"},
+    "results": {"arms", "references", "plant", "engine", "metrics", "monitors", "experiment", "statistics"},
     "viewer": {"arms", "metrics", "experiment", "results"},
     "pages": {
         "arms",
@@ -86,6 +87,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "experiment",
         "results",
         "viewer",
+        "statistics",
     },
 }
 EVERYTHING = {*MAY_IMPORT, "package"}
