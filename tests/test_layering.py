@@ -63,6 +63,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "agreement": {"arms", "controllers", "plant", "engine"},
     "metrics": {"engine"},
     "tool_error": {"arms", "engine"},
+    "tool_path": {"arms", "engine"},
     "monitors": {"arms", "controllers", "condition", "plant", "engine", "rigid_body"},
     "experiment": {
         "arms",
