@@ -113,7 +113,7 @@ HOME = {
     "pydantic": {"experiment", "condition"},
     "flint": {"condition"},
     "optuna": {"study"},
-    "mujoco": {"agreement"},
+    "mujoco": {"agreement", "arms"},  # arms: its reader of MJCF
     "typer": {"cli"},
 }
 

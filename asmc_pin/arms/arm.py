@@ -15,6 +15,7 @@ from asmc_pin._typing import Array, BoolArray
 from asmc_pin.arms.arm_options import UNCHANGED, Armature, Gravity, Load, Lock, Unchanged, Variant
 from asmc_pin.arms.payload import Payload
 from asmc_pin.arms.registry import ArmEntry
+from asmc_pin.arms.robot_files import RobotFiles
 from asmc_pin.arms.urdf.urdf_reading import Robot
 from asmc_pin.errors import ArmError
 from asmc_pin.rigid_body.leading_axes import joint_rows
@@ -72,9 +73,9 @@ class Arm(Shown):
         warnings: What was taken otherwise than written, in plain words.
         provisos: In what it is not as its file says, for every statement about it.
         source: The URDF file.
-        sha256: Hex digest of the URDF's bytes.
-        urdf_text: The URDF as it stands.
-        package_dirs: Folders in which ``package://`` paths of its meshes may be found.
+        sha256: Hex digest of the file's bytes.
+        urdf_text: The URDF as it was computed with: the file as it stands, or what was made of it, see `provisos`.
+        files: Where its packages and meshes are looked for.
         model: Pinocchio's model, nq == nv. Treat it as read-only.
         tree: The same in plain arrays, for compiled kernels.
         made_of: What it is made of: the checked URDF, the registry's entry and the options.
@@ -100,7 +101,7 @@ class Arm(Shown):
     source: Path
     sha256: str
     urdf_text: str
-    package_dirs: tuple[Path, ...]
+    files: RobotFiles
     model: pin.Model
     tree: Tree
     made_of: MadeOf

@@ -23,9 +23,18 @@ from asmc_pin.arms.arm_options import (
     resolve_armature,
     resolve_locks,
 )
-from asmc_pin.arms.pinocchio_model import bare_model, carry, check_mass_matrix, last_link, set_limits
+from asmc_pin.arms.pinocchio_model import (
+    bare_model,
+    carry,
+    check_against_mujoco,
+    check_mass_matrix,
+    last_link,
+    set_limits,
+)
 from asmc_pin.arms.pinocchio_tree import tree_of
-from asmc_pin.arms.registry import ArmEntry, find, package_dirs
+from asmc_pin.arms.reading_options import Packages, Reading, XacroArguments, read_packages, read_xacro
+from asmc_pin.arms.registry import ArmEntry, find, package_shares
+from asmc_pin.arms.robot_files import RobotFiles
 from asmc_pin.arms.urdf.magnitudes import MOVING_JOINTS
 from asmc_pin.arms.urdf.urdf_document import read_document
 from asmc_pin.arms.urdf.urdf_reading import Joint, Robot, read_robot
@@ -41,11 +50,14 @@ def load_arm(
     armature: Armature | None = None,
     lock: Lock | None = None,
     gravity: Gravity | None = None,
+    xacro: XacroArguments | None = None,
+    package: Packages | None = None,
 ) -> Arm:
     """Load an arm.
 
     Args:
-        source: Name of a known arm (`arm_names`), or path of a URDF. Meshes are not needed.
+        source: Name of a known arm (`arm_names`), or of one of robot_descriptions where that is installed; or path of a
+            URDF or a xacro file. Meshes are not needed.
         payload: What it carries: a mass in kg, as a point at the frame of the last moving link; or a `Payload`, or a
             mapping with its fields, with centre, inertia and link.
         armature: Reflected rotor inertia (rotor inertia times gear ratio squared), kg·m² (kg where prismatic), on the
@@ -54,6 +66,8 @@ def load_arm(
             frees one.
         gravity: Acceleration of gravity in the base frame, m/s²; default (0, 0, −9.81). (0, 0, 9.81) hangs the arm
             from a ceiling.
+        xacro: Values of a xacro file's arguments.
+        package: ROS package to the folder where it lies, for a xacro file's ``$(find …)`` and for meshes.
 
     Returns:
         The arm. `Arm.warnings` says what was taken otherwise than written.
@@ -64,7 +78,12 @@ def load_arm(
     """
     path, entry = find(source)
     variant = read_variant(payload=payload, armature=armature, lock=lock, gravity=gravity)
-    return assemble(Recipe(read_robot(read_document(path)), entry, variant))
+    files = RobotFiles(path.resolve().parent, read_packages(package), package_shares())
+    arguments = {**(entry.xacro if entry else {}), **read_xacro(xacro)}
+    document = read_document(path, Reading(files, arguments))
+    robot = read_robot(document)
+    check_against_mujoco(robot)
+    return assemble(Recipe(robot, files, entry, variant))
 
 
 @dataclass(frozen=True)
@@ -73,11 +92,13 @@ class Recipe:
 
     Attributes:
         robot: The checked URDF.
+        files: Where its packages and meshes are looked for.
         entry: The registry's entry, where the arm was asked for by name.
         variant: The options.
     """
 
     robot: Robot
+    files: RobotFiles
     entry: ArmEntry | None
     variant: Variant
 
@@ -115,8 +136,9 @@ def assemble(recipe: Recipe) -> Arm:
             f"{shown(robot.path)}: has {len(joints)} moving joints, and at most {MOVING_JOINTS} are computed with; "
             "lock the rest",
         )
-    model.armature = resolve_armature(names, entry.armature if entry else {}, variant.armature)
-    model.gravity.linear = np.array(GRAVITY) if variant.gravity is None else variant.gravity
+    model.armature = resolve_armature(names, _own_armature(recipe), variant.armature)
+    own = robot.mjcf.gravity if robot.mjcf is not None else GRAVITY
+    model.gravity.linear = np.array(own) if variant.gravity is None else variant.gravity
     set_limits(model, joints)
     payload = variant.payload
     if payload is not None:
@@ -124,7 +146,7 @@ def assemble(recipe: Recipe) -> Arm:
         carry(robot, model, payload)
     check_mass_matrix(robot, model)
     return Arm(
-        name=entry.name if entry else printable(robot.path.stem),
+        name=entry.name if entry else printable(robot.name),
         joint_names=names,
         joint_kinds=tuple(joint.kind for joint in joints),
         continuous=_frozen([joint.continuous for joint in joints], np.bool_),
@@ -144,7 +166,7 @@ def assemble(recipe: Recipe) -> Arm:
         source=robot.path,
         sha256=robot.sha256,
         urdf_text=robot.text,
-        package_dirs=package_dirs(robot.path),
+        files=recipe.files,
         model=model,
         tree=tree_of(model),
         made_of=recipe,
@@ -169,7 +191,14 @@ def vary(arm: Arm, changes: Mapping[str, Any]) -> Arm:
         held = resolve_locks(robot, entry.locks if entry else {}, new.lock)
         kept = zip(arm.joint_names, arm.armature.tolist(), strict=True)
         new = replace(new, armature={name: value for name, value in kept if name not in held})
-    return assemble(Recipe(robot, entry, new))
+    return assemble(Recipe(robot, arm.files, entry, new))
+
+
+def _own_armature(recipe: Recipe) -> Mapping[str, float]:
+    """What the file or the registry's entry says; a URDF has no place for it."""
+    if recipe.robot.mjcf is not None:
+        return recipe.robot.mjcf.armature
+    return recipe.entry.armature if recipe.entry else {}
 
 
 def _frozen(values: Any, dtype: Any = np.float64) -> Any:

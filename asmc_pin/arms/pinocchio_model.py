@@ -20,6 +20,8 @@ _SAMPLES = 16
 _LEAST = 1e-100
 # m²: a radius of gyration of less than 1e-10 m is the rounding of a mass on the axis.
 _NO_RADIUS = 1e-20
+# Relative: a few roundings of rotations that are composed along a chain.
+_MUJOCO_AGREES = 1e-12
 
 
 def bare_model(robot: Robot, locked: Mapping[str, float]) -> pin.Model:
@@ -136,6 +138,30 @@ def check_mass_matrix(robot: Robot, model: pin.Model) -> None:
         else:
             weak = int(np.argmin(diagonal))
         raise ArmError(robot.path, _singular(robot, model, q, mass, weak, comparable))
+
+
+def check_against_mujoco(robot: Robot) -> None:
+    """Hold the URDF of a MJCF file against the M(q) that MuJoCo had for the file itself.
+
+    Raises:
+        ArmError: They differ by more than `_MUJOCO_AGREES`, relative to the largest entry.
+    """
+    if robot.mjcf is None:
+        return
+    model = pin.buildModelFromXML(robot.xml)
+    data = model.createData()
+    names = [name.removeprefix(JOINT_PREFIX) for name in model.names[1:]]
+    armature = np.diag([robot.mjcf.armature.get(name, 0.0) for name in names])
+    for sample in robot.mjcf.samples:
+        order = [list(sample.q).index(name) for name in names]
+        mass: Array = pin.crba(model, data, np.array([sample.q[name] for name in names])) + armature
+        off = float(np.max(np.abs(mass - sample.mass[np.ix_(order, order)])) / np.max(np.abs(sample.mass)))
+        if not off <= _MUJOCO_AGREES:
+            raise ArmError(
+                robot.path,
+                f"{robot.path}: this is a MuJoCo model (MJCF), and as a URDF its M(q) differs from MuJoCo's by "
+                f"{off:.2g} of the largest entry, so it is not used. Use the URDF that its maker publishes",
+            )
 
 
 def _singular(robot: Robot, model: pin.Model, q: Array, mass: Array, weak: int, comparable: bool) -> str:

@@ -57,6 +57,14 @@ class LoadingOptions:
             "--gravity", metavar="X,Y,Z", help="Gravity in the base frame, m/s²; 0,0,9.81 hangs it from a ceiling."
         ),
     ] = None
+    xacro: Annotated[
+        list[str] | None,
+        typer.Option("--xacro", metavar="NAME=VALUE", help="An argument of a xacro file. Repeatable."),
+    ] = None
+    package: Annotated[
+        list[str] | None,
+        typer.Option("--package", metavar="NAME=DIR", help="Where a ROS package lies that is named. Repeatable."),
+    ] = None
 
 
 NOTHING = LoadingOptions()
@@ -135,6 +143,9 @@ def load_keywords(loading: LoadingOptions) -> tuple[dict[str, Any], dict[str, An
         single["lock"] = held
     if loading.gravity is not None:
         single["gravity"] = numbers(loading.gravity, "--gravity")
+    for name, items, form in (("xacro", loading.xacro, "NAME=VALUE"), ("package", loading.package, "NAME=DIR")):
+        if items:
+            single[name] = assignments(items, f"--{name}", form)
     return single, ranges
 
 

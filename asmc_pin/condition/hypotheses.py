@@ -14,7 +14,7 @@ from typing import Any, Literal, TypeAlias
 from asmc_pin.words.choices import Condition as Condition
 from asmc_pin.words.provisos import Proviso as Proviso
 from asmc_pin.words.provisos import provisos_json
-from asmc_pin.words.text import exact, printable, quoted
+from asmc_pin.words.text import exact, printable, quoted, visible
 
 Interval: TypeAlias = tuple[float, float]
 
@@ -119,7 +119,7 @@ class Premises:
     @property
     def title(self) -> str:
         """The arm's name with all that is supposed about it, so that no headline is a theorem about the bare arm."""
-        supposed = list(dict.fromkeys(proviso.kind for proviso in self.provisos))
+        supposed = list(dict.fromkeys(proviso.kind for proviso in self.provisos if proviso.headline))
         if any(self.armature):
             supposed.append(f"armature {self._armature()}")
         if self.payload is not None:
@@ -165,7 +165,7 @@ class Premises:
             ("Armature", self._armature()),
             ("Payload", "none" if self.payload is None else self.payload.words()),
             ("Locked joints", self._locks("; ") or "none"),
-            *((proviso.kind[:1].upper() + proviso.kind[1:], printable(proviso.text)) for proviso in self.provisos),
+            *((proviso.kind[:1].upper() + proviso.kind[1:], visible(proviso.text)) for proviso in self.provisos),
             (over, self._box()),
             *([("Whole turns", self._whole_turns())] if self.where == "box" and self.turning else []),
         ]

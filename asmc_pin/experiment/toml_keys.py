@@ -124,7 +124,9 @@ _ARMATURE_SCHEMA = {
 class ArmTable(TomlTable):
     """The arm: a name from ``asmc-pin arms``, or a URDF."""
 
-    source: str = Field(min_length=1, description="name of an arm, or path of a URDF (relative to this file)")
+    source: str = Field(
+        min_length=1, description="name of an arm, or path of a URDF or xacro file (relative to this file)"
+    )
     payload: Annotated[PayloadTable | None, BeforeValidator(_payload)] = Field(
         default=None,
         description="kg, as a point mass at the last moving link; or a table `mass`, `com`, `inertia`, `link`",
@@ -143,6 +145,12 @@ class ArmTable(TomlTable):
         min_length=3,
         max_length=3,
         description="gravity in the base frame, m/s²; [0, 0, -9.81] if omitted",
+    )
+    xacro: dict[str, str | int | float | bool] | None = Field(
+        default=None, description="arguments of a xacro file: name = value"
+    )
+    package: dict[str, str] | None = Field(
+        default=None, description="ROS packages: name = folder where it lies (relative to this file)"
     )
 
 

@@ -237,6 +237,7 @@ def _provenance(result: Result) -> Iterator[str]:
         [
             ("URDF", arm.source.name),
             ("SHA-256 of the URDF", str(result.provenance.get("arm", {}).get("sha256", arm.sha256))),
+            *((proviso.kind[:1].upper() + proviso.kind[1:], proviso.text) for proviso in arm.provisos),
             ("Seed", str(result.experiment.seed)),
             ("Trajectories", "trajectories.nc"),
             ("Summary", "summary.parquet, summary.md, summary.tex"),

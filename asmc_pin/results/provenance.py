@@ -55,7 +55,7 @@ def provenance(
             "name": arm.name,
             "urdf": arm.source.name,
             "sha256": arm.sha256,
-            **({"provisos": provisos_json(arm.provisos)} if arm.provisos else {}),
+            **(_made(arm) if arm.provisos else {}),
         },
         "seed": experiment.seed,
         "started": started.isoformat(timespec="seconds"),
@@ -70,6 +70,11 @@ def provenance(
             if path.is_file()
         },
     }
+
+
+def _made(arm: Arm) -> dict[str, Any]:
+    """Of an arm that is not as its file says: how, and the hash of what was computed with (``arm.urdf``)."""
+    return {"provisos": provisos_json(arm.provisos), "urdf_sha256": _digest(arm.urdf_text.encode())}
 
 
 def _way(there: Path, result: Path) -> str | None:

@@ -35,6 +35,8 @@ EXPERIMENT, TRAJECTORIES, SUMMARY, PROVENANCE = (
 )
 MONITORS, CLAIMS = "monitors.nc", "claims.parquet"
 """What the theorems' monitors found (docs/monitors.md); a result made without them is whole too."""
+EXPANDED = "arm.urdf"
+"""The URDF that was computed with, where it is not the file that was read."""
 
 # Variable: meaning, unit on a revolute joint, unit on a prismatic one.
 VARIABLES: Mapping[str, tuple[str, str, str]] = {

@@ -225,6 +225,8 @@ def _write(
     latex = "\n".join([latex_table(rows), theorems_latex(comparison.theorems.claims, comparison.about.title)])
     (folder / "summary.tex").write_text(latex, encoding="utf-8")
     comparison.theorems.write(folder)
+    if arm.provisos:
+        (folder / result_folder.EXPANDED).write_text(arm.urdf_text, encoding="utf-8")
     figures = folder / "figures"
     tell("figures", _SIMULATION + 0.03)
     lost = _drawn("figures", lambda: draw_figures(comparison.dataset, figures, np.asarray(plant.effort_limit)))

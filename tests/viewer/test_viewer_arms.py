@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 from viewer_cases import BENT, bent_arm
 
 from asmc_pin.arms import arm_names, load_arm
+from asmc_pin.arms.robot_files import RobotFiles
 from asmc_pin.viewer import draw
 from asmc_pin.viewer.drawing.drawn_bodies import assemble, attachments, body_poses, joint_frames
 from asmc_pin.viewer.drawing.mesh_simplify import simplify
@@ -112,7 +113,7 @@ def test_primitives_have_their_size_centre_and_colour(
 ) -> None:
     blue = '<material name="own"><color rgba="0 0 1 1"/></material>'
     text = BENT.format(upper=visual(geometry, f'<origin xyz="1 2 3" rpy="0 0 0"/>{blue}'), lower="")
-    shown, missing = read_visuals(text, [], tmp_path)
+    shown, missing = read_visuals(text, RobotFiles(tmp_path))
     surface = join(shown["upper"])
     low, high = corners(surface)
     np.testing.assert_allclose(high - low, extent, rtol=0.01)
@@ -124,7 +125,7 @@ def test_primitives_have_their_size_centre_and_colour(
 def test_roll_pitch_yaw_turns_about_fixed_axes(tmp_path: Path) -> None:
     turned = '<origin rpy="1.5707963267948966 0 1.5707963267948966"/>'
     text = BENT.format(upper=visual('<box size="0.1 0.2 0.3"/>', turned), lower="")
-    surface = join(read_visuals(text, [], tmp_path)[0]["upper"])
+    surface = join(read_visuals(text, RobotFiles(tmp_path))[0]["upper"])
     # First about x: (0.1, 0.3, 0.2); then about the fixed z: (0.3, 0.1, 0.2).
     np.testing.assert_allclose(np.ptp(surface.vertices, axis=0), (0.3, 0.1, 0.2), atol=1e-9)
 
@@ -134,7 +135,7 @@ def test_a_mirrored_mesh_keeps_its_outside_outside(tmp_path: Path) -> None:
 
     trimesh.creation.box(extents=(1.0, 2.0, 3.0)).export(tmp_path / "box.stl")
     text = BENT.format(upper=visual('<mesh filename="box.stl" scale="-1 1 1"/>'), lower="")
-    surface = join(read_visuals(text, [], tmp_path)[0]["upper"])
+    surface = join(read_visuals(text, RobotFiles(tmp_path))[0]["upper"])
     assert trimesh.Trimesh(surface.vertices, surface.faces).volume == pytest.approx(6.0)
 
 
@@ -146,7 +147,7 @@ def test_packages_are_found_by_their_folder_and_in_their_parent(tmp_path: Path) 
     trimesh.creation.box(extents=(1.0, 2.0, 3.0)).export(package / "meshes" / "box.stl")
     text = BENT.format(upper=visual('<mesh filename="package://some_package/meshes/box.stl"/>'), lower="")
     for folder in (tmp_path, package):
-        shown, missing = read_visuals(text, [folder], tmp_path / "elsewhere")
+        shown, missing = read_visuals(text, RobotFiles(tmp_path / "elsewhere", further=[folder]))
         assert not missing
         assert len(shown["upper"][0].faces) == 12
 

@@ -16,6 +16,7 @@ from lxml import etree
 
 from asmc_pin._typing import Array
 from asmc_pin.arms.urdf.magnitudes import FRICTION, LIMIT
+from asmc_pin.arms.urdf.mjcf_conversion import MjcfModel
 from asmc_pin.arms.urdf.rigid_inertia import inertia_problem
 from asmc_pin.arms.urdf.urdf_document import Document
 from asmc_pin.arms.urdf.urdf_structure import MOVING, NUMBERS, check_structure, where
@@ -77,8 +78,9 @@ class Robot:
 
     Attributes:
         path: The file.
-        text: The file as it stands.
-        sha256: Hex digest of its bytes.
+        name: What to call it: the file's stem, and of a file that stands for several robots what it came to.
+        text: See `Document`.
+        sha256: Hex digest of the file's bytes.
         joints: Joints that can move, by name.
         fixed: Names of the joints that cannot.
         links: Names of the links.
@@ -86,9 +88,11 @@ class Robot:
             `JOINT_PREFIX` before every joint's name.
         warnings: What was taken otherwise than written.
         provisos: See `Document`.
+        mjcf: See `Document`.
     """
 
     path: Path
+    name: str
     text: str
     sha256: str
     joints: Mapping[str, Joint]
@@ -97,6 +101,7 @@ class Robot:
     xml: str
     warnings: tuple[str, ...]
     provisos: tuple[Proviso, ...]
+    mjcf: MjcfModel | None
 
 
 def _stripped(document: Document) -> Any:
@@ -230,6 +235,7 @@ def read_robot(document: Document) -> Robot:
     warnings = _check_inertias(document, raw.links)
     return Robot(
         path=document.path,
+        name=root.get("name") if document.expanded else document.path.stem,
         text=document.text,
         sha256=document.sha256,
         joints={j.name: _joint(document, j, elements[j.name]) for j in raw.joints if j.type in MOVING},
@@ -238,4 +244,5 @@ def read_robot(document: Document) -> Robot:
         xml=_pinocchio_xml(root),
         warnings=tuple(warnings),
         provisos=document.provisos,
+        mjcf=document.mjcf,
     )

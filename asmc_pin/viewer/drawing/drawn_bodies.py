@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -112,7 +111,7 @@ class Parts:
 
 def assemble(arm: Arm) -> Parts:
     """Reads an arm's visuals and hangs them on its bodies, a skeleton where there are none."""
-    shown, problems = read_visuals(arm.urdf_text, arm.package_dirs, Path(arm.source).parent)
+    shown, problems = read_visuals(arm.urdf_text, arm.files)
     frames = joint_frames(arm)
     surfaces: tuple[list[Surface], ...] = tuple([] for _ in range(arm.nv + 1))
     tip = np.zeros(3)
