@@ -534,8 +534,8 @@ def test_the_table_lists_every_law_with_its_own_parameters() -> None:
     known = {
         "ppc": [],
         "bsmc": ["gain", "boundary"],
-        "plestan2010": ["rate", "epsilon", "floor"],
-        "baek2016": ["phi", "alpha", "epsilon", "threshold"],
+        "plestan2010": ["rate", "epsilon", "floor", "switching", "share"],
+        "baek2016": ["phi", "alpha", "epsilon", "threshold", "switching", "share"],
     }
     assert {name: own[name] for name in known} == known
     assert all(all(row.values()) for row in controllers_table())
