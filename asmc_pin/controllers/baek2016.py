@@ -11,9 +11,8 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
 from asmc_pin.controllers.protocol import Sample, Setpoint
-from asmc_pin.controllers.switching.backward_euler import implicit_switching, share_scalar, switching_choice
 from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, signed
-from asmc_pin.parameters import Choice, PerJoint, Scalar
+from asmc_pin.parameters import PerJoint, Scalar
 
 
 @law("baek2016")
@@ -28,8 +27,6 @@ class Baek2016(TdeLaw):
         alpha: α, the size of |sᵢ| at which growing and shrinking are equally fast, scalar or nv values, above 0, rad/s.
         epsilon: ε, scalar, above 0, rad/s; one comparison ‖s‖_∞ ≥ ε decides for all joints.
         threshold: A k̂ at or below it counts as 0, rad/s²; the paper's experiments use 1e-4.
-        switching: ``"explicit"``, k̂ sgn(s); or ``"implicit"``, the same by backward Euler, which does not chatter.
-        share: λ of the implicit form, above 0, at most 1.
     """
 
     title: ClassVar[str] = "proposed adaptive sliding mode control"
@@ -43,8 +40,6 @@ class Baek2016(TdeLaw):
     alpha: PerJoint = PerJoint("α", "rad/s", above=0.0)
     epsilon: Scalar = Scalar("ε", "rad/s", above=0.0)
     threshold: Scalar = Scalar("k̂ at or below it counts as 0", "rad/s²", at_least=0.0, default=0.0)
-    switching: Choice = switching_choice()
-    share: Scalar = share_scalar()
 
     def init(self, sample: Sample) -> AdaptiveState:
         """State before the first tick, from the sample of t = 0; k̂₀ = 0."""
@@ -54,14 +49,11 @@ class Baek2016(TdeLaw):
         """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
         torque, s, tde = self.pole_placement(state.tde, sample, setpoint)
         gain = self.adapt(state.gain, s)
-        w = signed(gain, s)
-        if self.switching == "implicit":
-            w = implicit_switching(gain, self.share, s, setpoint.v - sample.v, self.ks, self.beta, self.period)
-        return torque + self.mbar * w, AdaptiveState(tde, gain)
+        return torque + self.mbar * signed(gain, s), AdaptiveState(tde, gain)
 
-    def switching_term(self, s: Array, gain: Array) -> Array | None:
-        """The term w = k̂ sgn(s) at the ticks of a run, None if it is implicit; see `TdeLaw.switching_term`."""
-        return signed(gain, s) if self.switching == "explicit" else None
+    def switching_term(self, s: Array, gain: Array) -> Array:
+        """The term w = k̂ sgn(s) at the ticks of a run; see `TdeLaw.switching_term`."""
+        return signed(gain, s)
 
     def adapt(self, gain: Array, s: Array) -> Array:
         """One explicit step of the adaptive law (11), over L with s held.

@@ -10,9 +10,8 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
 from asmc_pin.controllers.protocol import Sample, Setpoint
-from asmc_pin.controllers.switching.backward_euler import implicit_switching, share_scalar, switching_choice
 from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, signed
-from asmc_pin.parameters import Choice, Scalar, ScalarOrWord
+from asmc_pin.parameters import Scalar, ScalarOrWord
 
 
 @law("plestan2010")
@@ -29,8 +28,6 @@ class Plestan2010(TdeLaw):
             sampled law whose plant is nominally inverted, as TDE does: 4 k̂_{k−1} L. By how much k̂ switches s within a
             period it can then tell from s itself.
         floor: μ, the least k̂ and its value at the start, above 0, rad/s²; at the floor k̂ grows at μ per second.
-        switching: ``"explicit"``, k̂ sgn(s); or ``"implicit"``, the same by backward Euler, which does not chatter.
-        share: λ of the implicit form, above 0, at most 1.
     """
 
     title: ClassVar[str] = "existing adaptive sliding mode control"
@@ -42,8 +39,6 @@ class Plestan2010(TdeLaw):
     rate: Scalar = Scalar("k̄", "1/s²", at_least=0.0)
     epsilon: ScalarOrWord = ScalarOrWord("ε, or the authors' 4 k̂ L", "rad/s", words=("4KL",), above=0.0)
     floor: Scalar = Scalar("μ", "rad/s²", above=0.0)
-    switching: Choice = switching_choice()
-    share: Scalar = share_scalar()
 
     def init(self, sample: Sample) -> AdaptiveState:
         """State before the first tick, from the sample of t = 0; k̂₀ = μ."""
@@ -53,14 +48,11 @@ class Plestan2010(TdeLaw):
         """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
         torque, s, tde = self.pole_placement(state.tde, sample, setpoint)
         gain = self.adapt(state.gain, s)
-        w = signed(gain, s)
-        if self.switching == "implicit":
-            w = implicit_switching(gain, self.share, s, setpoint.v - sample.v, self.ks, self.beta, self.period)
-        return torque + self.mbar * w, AdaptiveState(tde, gain)
+        return torque + self.mbar * signed(gain, s), AdaptiveState(tde, gain)
 
-    def switching_term(self, s: Array, gain: Array) -> Array | None:
-        """The term w = k̂ sgn(s) at the ticks of a run, None if it is implicit; see `TdeLaw.switching_term`."""
-        return signed(gain, s) if self.switching == "explicit" else None
+    def switching_term(self, s: Array, gain: Array) -> Array:
+        """The term w = k̂ sgn(s) at the ticks of a run; see `TdeLaw.switching_term`."""
+        return signed(gain, s)
 
     def adapt(self, gain: Array, s: Array) -> Array:
         """k̂_k from k̂_{k−1}, both (batch, nv) with equal columns, rad/s², and s_k, (batch, nv), rad/s.

@@ -227,26 +227,12 @@ class TdeLaw(ABC):
         Returns:
             The torque (7), (batch, nv), N·m; the sliding variable s (4), (batch, nv), rad/s; the next state.
         """
-        torque = self.paired_torque(state, sample)
-        state = self.estimate_acceleration(state, sample)
-        wanted, s = self.wanted(sample, setpoint)
-        return torque + self.mbar * (wanted - state.acceleration), s, state
-
-    def wanted(self, sample: Sample, setpoint: Setpoint) -> tuple[Array, Array]:
-        """What the bracket of (7) asks for, q̈_d + K_s ė + β s, (batch, nv), rad/s²; and s of (4), rad/s."""
-        s = sliding_variable(self.ks, sample, setpoint)
-        return setpoint.a + self.ks * (setpoint.v - sample.v) + self.beta * s, s
-
-    def paired_torque(self, state: TdeState, sample: Sample) -> Array:
-        """The torque that goes with the estimate of q̈(t−L), (batch, nv), N·m; `state` is that of the last tick."""
         # Before t = 0 the drives are taken to have held what they hold at t = 0.
-        return 0.5 * (sample.torque + state.torque) if self.averages_torque else sample.torque
-
-    def load_estimate(self, state: TdeState, sample: Sample) -> tuple[Array, TdeState]:
-        """Γ̂ of (6), (batch, nv), rad/s², and the next state of the estimation."""
-        torque = self.paired_torque(state, sample)
+        torque = 0.5 * (sample.torque + state.torque) if self.averages_torque else sample.torque
         state = self.estimate_acceleration(state, sample)
-        return state.acceleration - torque / self.mbar, state
+        s = sliding_variable(self.ks, sample, setpoint)
+        wanted = setpoint.a + self.ks * (setpoint.v - sample.v) + self.beta * s
+        return torque + self.mbar * (wanted - state.acceleration), s, state
 
     def _check_joints(self, nv: int) -> None:
         if self.nv is not None and self.nv != nv:

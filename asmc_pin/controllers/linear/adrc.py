@@ -6,10 +6,13 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
-from asmc_pin.controllers.protocol import Sample, Setpoint
+from asmc_pin.controllers.one_trial.compiled_tde import BETA, KS, MBAR, OWN, PERIOD, surface
+from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
+from asmc_pin.controllers.protocol import Sample
 from asmc_pin.controllers.tde import TdeLaw
 from asmc_pin.parameters import Scalar
 
@@ -21,13 +24,38 @@ class ExtendedState(NamedTuple):
         position: ẑ₁, rad.
         velocity: ẑ₂, rad/s.
         load: ẑ₃, the acceleration that the torque does not explain, rad/s².
-        fresh: Whether no tick has been taken.
+        ticks: Number of ticks taken.
     """
 
     position: Array
     velocity: Array
     load: Array
-    fresh: bool
+    ticks: int
+
+
+FIRST, SECOND, THIRD = range(OWN, OWN + 3)
+Z1, Z2, Z3 = range(3)
+
+
+@trial_step
+def _step(tick: Tick, law: Array, memory: Array, work: Array, command: Array) -> None:
+    for i in range(command.size):
+        z1, z2, z3 = memory[Z1, i], memory[Z2, i], memory[Z3, i]
+        if tick.ticks > 0:
+            period, pushed = law[PERIOD, i], tick.torque[i] / law[MBAR, i] + z3
+            ahead = z1 + period * z2 + 0.5 * period * period * pushed
+            miss = tick.q[i] - ahead
+            z1, z2, z3 = (
+                ahead + law[FIRST, i] * miss,
+                z2 + period * pushed + law[SECOND, i] * miss,
+                z3 + law[THIRD, i] * miss,
+            )
+            memory[Z1, i], memory[Z2, i], memory[Z3, i] = z1, z2, z3
+        rate = tick.v_ref[i] - z2
+        wanted = (
+            tick.a_ref[i] + law[KS, i] * rate + law[BETA, i] * surface(law[KS, i], z1, z2, tick.q_ref[i], tick.v_ref[i])
+        )
+        command[i] = law[MBAR, i] * (wanted - z3)
 
 
 @law("adrc")
@@ -66,17 +94,10 @@ class Adrc(TdeLaw):
     def init(self, sample: Sample) -> ExtendedState:
         """State before the first tick: at rest, or moving on unaccelerated, under the torque that is held."""
         self.start(sample)
-        return ExtendedState(sample.q.copy(), sample.v.copy(), -sample.torque / self.mbar, True)
+        return ExtendedState(sample.q.copy(), sample.v.copy(), -sample.torque / self.mbar, 0)
 
-    def step(self, state: ExtendedState, sample: Sample, setpoint: Setpoint) -> tuple[Array, ExtendedState]:
-        """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
-        z1, z2, z3 = state.position, state.velocity, state.load
-        if not state.fresh:
-            length, pushed = self.period, sample.torque / self.mbar + z3
-            first, second, third = self.observer_gains
-            ahead = z1 + length * z2 + 0.5 * length**2 * pushed
-            miss = sample.q - ahead
-            z1, z2, z3 = ahead + first * miss, z2 + length * pushed + second * miss, z3 + third * miss
-        rate = setpoint.v - z2
-        wanted = setpoint.a + self.ks * rate + self.beta * (rate + self.ks * (setpoint.q - z1))
-        return self.mbar * (wanted - z3), ExtendedState(z1, z2, z3, False)
+    def own_rows(self) -> tuple[ArrayLike, ...]:
+        """The observer's gains l."""
+        return self.observer_gains
+
+    trial_step: ClassVar[TrialStep | None] = _step

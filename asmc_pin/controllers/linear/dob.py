@@ -6,10 +6,21 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
-from asmc_pin.controllers.protocol import Sample, Setpoint
+from asmc_pin.controllers.one_trial.compiled_tde import (
+    MBAR,
+    OWN,
+    OWN_MEMORY,
+    PAST_ACCELERATION,
+    PAST_TORQUE,
+    WANTED,
+    tde_terms,
+)
+from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
+from asmc_pin.controllers.protocol import Sample
 from asmc_pin.controllers.tde import TdeLaw, TdeState
 from asmc_pin.parameters import Scalar
 
@@ -24,6 +35,18 @@ class ObserverState(NamedTuple):
 
     tde: TdeState
     load: Array
+
+
+WEIGHT, LOAD = OWN, OWN_MEMORY
+
+
+@trial_step
+def _step(tick: Tick, law: Array, memory: Array, work: Array, command: Array) -> None:
+    tde_terms(tick, law, memory, work)
+    for i in range(command.size):
+        newest = work[PAST_ACCELERATION, i] - work[PAST_TORQUE, i] / law[MBAR, i]
+        memory[LOAD, i] += law[WEIGHT, i] * (newest - memory[LOAD, i])
+        command[i] = law[MBAR, i] * (work[WANTED, i] - memory[LOAD, i])
 
 
 @law("dob")
@@ -54,9 +77,8 @@ class Dob(TdeLaw):
         """State before the first tick; Γ̂ is that of the torque held at rest, −M̄⁻¹ τ(0)."""
         return ObserverState(self.start(sample), -sample.torque / self.mbar)
 
-    def step(self, state: ObserverState, sample: Sample, setpoint: Setpoint) -> tuple[Array, ObserverState]:
-        """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
-        newest, tde = self.load_estimate(state.tde, sample)
-        load = state.load + self.estimate_weight * (newest - state.load)
-        wanted, _ = self.wanted(sample, setpoint)
-        return self.mbar * (wanted - load), ObserverState(tde, load)
+    def own_rows(self) -> tuple[ArrayLike, ...]:
+        """The weight c."""
+        return (self.estimate_weight,)
+
+    trial_step: ClassVar[TrialStep | None] = _step

@@ -6,10 +6,22 @@ from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
-from asmc_pin.controllers.protocol import Sample, Setpoint
+from asmc_pin.controllers.one_trial.compiled_tde import (
+    MBAR,
+    OWN,
+    OWN_MEMORY,
+    PAST_ACCELERATION,
+    PAST_TORQUE,
+    PERIOD,
+    WANTED,
+    tde_terms,
+)
+from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
+from asmc_pin.controllers.protocol import Sample
 from asmc_pin.controllers.tde import TdeLaw, TdeState
 from asmc_pin.errors import ParameterError
 from asmc_pin.parameters import PerJoint
@@ -27,6 +39,21 @@ class IdealVelocityState(NamedTuple):
     tde: TdeState
     load: Array
     ahead: Array
+
+
+GAIN, LOAD, AHEAD = OWN, OWN_MEMORY, OWN_MEMORY + 1
+
+
+@trial_step
+def _step(tick: Tick, law: Array, memory: Array, work: Array, command: Array) -> None:
+    tde_terms(tick, law, memory, work)
+    for i in range(command.size):
+        load = work[PAST_ACCELERATION, i] - work[PAST_TORQUE, i] / law[MBAR, i]
+        # At the first tick Γ̂ is that of the held torque, so that z starts from 0.
+        fading = (1.0 - law[PERIOD, i] * law[GAIN, i]) * memory[AHEAD, i]
+        memory[AHEAD, i] = fading - law[PERIOD, i] * (load - memory[LOAD, i])
+        memory[LOAD, i] = load
+        command[i] = law[MBAR, i] * (work[WANTED, i] + law[GAIN, i] * memory[AHEAD, i] - load)
 
 
 @law("ivf")
@@ -65,10 +92,8 @@ class Ivf(TdeLaw):
         """State before the first tick; z₀ = 0."""
         return IdealVelocityState(self.start(sample), -sample.torque / self.mbar, np.zeros_like(sample.q))
 
-    def step(self, state: IdealVelocityState, sample: Sample, setpoint: Setpoint) -> tuple[Array, IdealVelocityState]:
-        """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
-        load, tde = self.load_estimate(state.tde, sample)
-        # At the first tick Γ̂ is that of the held torque, so that z starts from 0.
-        ahead = (1.0 - self.period * self.gain) * state.ahead - self.period * (load - state.load)
-        wanted, _ = self.wanted(sample, setpoint)
-        return self.mbar * (wanted + self.gain * ahead - load), IdealVelocityState(tde, load, ahead)
+    def own_rows(self) -> tuple[ArrayLike, ...]:
+        """The gain G."""
+        return (self.gain,)
+
+    trial_step: ClassVar[TrialStep | None] = _step

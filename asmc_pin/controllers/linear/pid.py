@@ -6,10 +6,13 @@ from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
-from asmc_pin.controllers.protocol import Sample, Setpoint
+from asmc_pin.controllers.one_trial.compiled_tde import BY_POSITION, FILTER_WEIGHT, OWN, PERIOD
+from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
+from asmc_pin.controllers.protocol import Sample
 from asmc_pin.controllers.tde import TdeLaw
 from asmc_pin.errors import ParameterError
 from asmc_pin.parameters import OptionalPerJoint, match_joints
@@ -29,6 +32,28 @@ class PidState(NamedTuple):
     error: Array
     rate: Array
     acceleration: Array
+
+
+KP, KI, KD = range(OWN, OWN + 3)
+ERROR, RATE, CHANGE_OF_RATE = range(3)
+
+
+@trial_step
+def _step(tick: Tick, law: Array, memory: Array, work: Array, command: Array) -> None:
+    first, period, weight = tick.ticks == 0, law[PERIOD, 0], law[FILTER_WEIGHT, 0]
+    for i in range(command.size):
+        error, rate = tick.q_ref[i] - tick.q[i], tick.v_ref[i] - tick.v[i]
+        # Before t = 0 arm and reference are taken to have moved on unaccelerated.
+        change, bend = period * rate, 0.0 * rate
+        if not first:
+            change = error - memory[ERROR, i]
+            if law[BY_POSITION, i] != 0.0:
+                rate = change / period
+            bend = (rate - memory[RATE, i]) / period
+            if weight != 1.0:
+                bend = memory[CHANGE_OF_RATE, i] + weight * (bend - memory[CHANGE_OF_RATE, i])
+        memory[ERROR, i], memory[RATE, i], memory[CHANGE_OF_RATE, i] = error, rate, bend
+        command[i] = tick.torque[i] + (law[KP, i] * change + law[KI, i] * error + law[KD, i] * bend)
 
 
 @law("pid")
@@ -106,19 +131,9 @@ class Pid(TdeLaw):
         self.start(sample)
         return PidState(0, *(np.zeros_like(sample.q) for _ in range(3)))
 
-    def step(self, state: PidState, sample: Sample, setpoint: Setpoint) -> tuple[Array, PidState]:
-        """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
-        error, rate = setpoint.q - sample.q, setpoint.v - sample.v
-        if state.ticks == 0:
-            # Before t = 0 arm and reference are taken to have moved on unaccelerated.
-            change, acceleration = self.period * rate, np.zeros_like(rate)
-        else:
-            change = error - state.error
-            if self.acceleration == "position":
-                rate = change / self.period
-            acceleration = (rate - state.rate) / self.period
-            if self.filter_hz is not None:
-                acceleration = state.acceleration + self.filter_weight * (acceleration - state.acceleration)
+    def own_rows(self) -> tuple[ArrayLike, ...]:
+        """The gains k_p, L k_i and L k_d."""
         kp, ki, kd = self.gains
-        torque = sample.torque + (kp * change + self.period * (ki * error + kd * acceleration))
-        return torque, PidState(state.ticks + 1, error, rate, acceleration)
+        return kp, self.period * ki, self.period * kd
+
+    trial_step: ClassVar[TrialStep | None] = _step

@@ -13,6 +13,9 @@ from __future__ import annotations
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.controllers.one_trial.compiled_tde import BETA, KS, PERIOD, with_sign
+from asmc_pin.controllers.one_trial.trial_step import Tick
+from asmc_pin.numerics.short_loops import short_loops
 from asmc_pin.parameters import Choice, Scalar
 
 SHARE_MEANING = "λ, the part of the next s that implicit switching takes away"
@@ -28,24 +31,35 @@ def share_scalar() -> Scalar:
     return Scalar(SHARE_MEANING, above=0.0, at_most=1.0, default=1.0)
 
 
-def implicit_switching(
-    gain: Array, share: Array | float, s: Array, rate: Array, ks: Array, beta: Array | float, period: Array | float
-) -> Array:
-    """The term clip(λ b/g, ±K), (batch, nv), rad/s².
+@short_loops
+def implicit_switching(law: Array, i: int, gain: float, share: float, s: float, rate: float) -> float:
+    """The term clip(λ b/g, ±K) of joint i, rad/s².
 
     Args:
-        gain: K, (nv,) or (batch, nv), at least 0, rad/s².
+        law: Parameters of a TDE law, (rows, nv).
+        i: The joint.
+        gain: K, at least 0, rad/s².
         share: λ, the part of b that is taken away in a period, above 0 and at most 1.
-        s: Sliding variable (4), (batch, nv), rad/s.
-        rate: ė, (batch, nv), rad/s.
-        ks: Diagonal of K_s, 1/s.
-        beta: β, 1/s.
-        period: L, s.
+        s: Sliding variable (4), rad/s.
+        rate: ė, rad/s.
 
     Source: Acary, Brogliato (2010), Syst. Control Lett. 59(5), for a surface; the prediction is that of time-delay
     estimation.
     """
+    ks, period = law[KS, i], law[PERIOD, i]
     reach = period * (1.0 + 0.5 * ks * period)
-    ahead = s + period * ks * rate - reach * (ks * rate + beta * s)
+    ahead = s + period * ks * rate - reach * (ks * rate + law[BETA, i] * s)
     # A gain that is nan has to show.
     return np.minimum(np.maximum(share / reach * ahead, -gain), gain)
+
+
+@short_loops
+def switched(law: Array, i: int, implicit: float, gain: float, share: float, s: float, rate: float) -> float:
+    """The switching term K sgn(s) of joint i, rad/s²; by backward Euler where `implicit` is not 0."""
+    return implicit_switching(law, i, gain, share, s, rate) if implicit != 0.0 else with_sign(gain, s)
+
+
+@short_loops
+def rate_error(tick: Tick, i: int) -> float:
+    """ė of joint i, rad/s."""
+    return tick.v_ref[i] - tick.v[i]

@@ -6,12 +6,36 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
-from asmc_pin.controllers.protocol import Sample, Setpoint
+from asmc_pin.controllers.one_trial.compiled_tde import MBAR, OWN, OWN_MEMORY, S, pole_placement, with_sign
+from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
+from asmc_pin.controllers.protocol import Sample
 from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, signed
+from asmc_pin.numerics.short_loops import short_loops
 from asmc_pin.parameters import Scalar
+
+WIDTH, LIMIT = OWN, OWN + 1
+GAIN = OWN_MEMORY
+
+
+@short_loops
+def barrier_gain(s: float, width: float, limit: float) -> float:
+    """The gain of one joint at s, rad/s²."""
+    size = abs(s)
+    room = width - size
+    # |s| < U (ε − |s|) is where the quotient is below U; it is taken there alone. A nan has to show.
+    return size / room if size < limit * room else limit + 0.0 * s
+
+
+@trial_step
+def _step(tick: Tick, law: Array, memory: Array, work: Array, command: Array) -> None:
+    pole_placement(tick, law, memory, work, command)
+    for i in range(command.size):
+        memory[GAIN, i] = barrier_gain(work[S, i], law[WIDTH, i], law[LIMIT, i])
+        command[i] += law[MBAR, i] * with_sign(memory[GAIN, i], work[S, i])
 
 
 @law("barrier")
@@ -41,18 +65,11 @@ class Barrier(TdeLaw):
         """State before the first tick; k̂ is that of s = 0."""
         return AdaptiveState(self.start(sample), np.zeros(sample.q.shape))
 
-    def step(self, state: AdaptiveState, sample: Sample, setpoint: Setpoint) -> tuple[Array, AdaptiveState]:
-        """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
-        torque, s, tde = self.pole_placement(state.tde, sample, setpoint)
-        gain = self.gain_at(s)
-        return torque + self.mbar * signed(gain, s), AdaptiveState(tde, gain)
+    def own_rows(self) -> tuple[ArrayLike, ...]:
+        """Width and limit."""
+        return self.width, self.limit
 
-    def gain_at(self, s: Array) -> Array:
-        """k̂ at s, (batch, nv), rad/s²."""
-        size = np.abs(s)
-        room = self.width - size
-        # |s| < U (ε − |s|) is where the quotient is below U; it is taken there alone.
-        return np.divide(size, room, out=np.where(np.isnan(s), s, self.limit), where=size < self.limit * room)
+    trial_step: ClassVar[TrialStep | None] = _step
 
     def switching_term(self, s: Array, gain: Array) -> Array:
         """The term w = k̂ sgn(s) at the ticks of a run; see `TdeLaw.switching_term`."""

@@ -5,12 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from numpy.typing import ArrayLike
+
 from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
-from asmc_pin.controllers.protocol import Sample, Setpoint
-from asmc_pin.controllers.switching.backward_euler import implicit_switching
-from asmc_pin.controllers.tde import TdeLaw, TdeState
+from asmc_pin.controllers.one_trial.compiled_tde import MBAR, OWN, S, pole_placement
+from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
+from asmc_pin.controllers.switching.backward_euler import implicit_switching, rate_error
+from asmc_pin.controllers.tde import TdeLaw
 from asmc_pin.parameters import PerJoint, Scalar
+
+GAIN, SHARE = OWN, OWN + 1
+
+
+@trial_step
+def _step(tick: Tick, law: Array, memory: Array, work: Array, command: Array) -> None:
+    pole_placement(tick, law, memory, work, command)
+    for i in range(command.size):
+        w = implicit_switching(law, i, law[GAIN, i], law[SHARE, i], work[S, i], rate_error(tick, i))
+        command[i] += law[MBAR, i] * w
 
 
 @law("implicit")
@@ -35,9 +48,8 @@ class Implicit(TdeLaw):
     gain: PerJoint = PerJoint("K", "rad/s²", at_least=0.0)
     share: Scalar = Scalar("λ, the part of the next s that is taken away", above=0.0, at_most=1.0)
 
-    def step(self, state: TdeState, sample: Sample, setpoint: Setpoint) -> tuple[Array, TdeState]:
-        """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
-        torque, s, state = self.pole_placement(state, sample, setpoint)
-        rate = setpoint.v - sample.v
-        w = implicit_switching(self.gain, self.share, s, rate, self.ks, self.beta, self.period)
-        return torque + self.mbar * w, state
+    def own_rows(self) -> tuple[ArrayLike, ...]:
+        """K and λ."""
+        return self.gain, self.share
+
+    trial_step: ClassVar[TrialStep | None] = _step

@@ -6,11 +6,24 @@ from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
-from asmc_pin.controllers.protocol import Sample, Setpoint
-from asmc_pin.controllers.tde import TdeLaw, TdeState, signed
+from asmc_pin.controllers.one_trial.compiled_tde import (
+    MBAR,
+    OWN,
+    OWN_MEMORY,
+    PAST_ACCELERATION,
+    PAST_TORQUE,
+    PERIOD,
+    WANTED,
+    tde_terms,
+    with_sign,
+)
+from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
+from asmc_pin.controllers.protocol import Sample
+from asmc_pin.controllers.tde import TdeLaw, TdeState
 from asmc_pin.parameters import PerJoint
 
 
@@ -26,6 +39,20 @@ class IntegralSurfaceState(NamedTuple):
     tde: TdeState
     load: Array
     surface: Array
+
+
+GAIN, LOAD, SURFACE = OWN, OWN_MEMORY, OWN_MEMORY + 1
+
+
+@trial_step
+def _step(tick: Tick, law: Array, memory: Array, work: Array, command: Array) -> None:
+    tde_terms(tick, law, memory, work)
+    for i in range(command.size):
+        load = work[PAST_ACCELERATION, i] - work[PAST_TORQUE, i] / law[MBAR, i]
+        sigma = memory[SURFACE, i] - law[PERIOD, i] * (load - memory[LOAD, i])
+        w = with_sign(law[GAIN, i], sigma)
+        memory[LOAD, i], memory[SURFACE, i] = load, sigma - law[PERIOD, i] * w
+        command[i] = law[MBAR, i] * (work[WANTED, i] + w - load)
 
 
 @law("ism")
@@ -51,13 +78,8 @@ class Ism(TdeLaw):
         """State before the first tick; σ₀ = 0."""
         return IntegralSurfaceState(self.start(sample), -sample.torque / self.mbar, np.zeros_like(sample.q))
 
-    def step(
-        self, state: IntegralSurfaceState, sample: Sample, setpoint: Setpoint
-    ) -> tuple[Array, IntegralSurfaceState]:
-        """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
-        load, tde = self.load_estimate(state.tde, sample)
-        surface = state.surface - self.period * (load - state.load)
-        wanted, _ = self.wanted(sample, setpoint)
-        w = signed(self.gain, surface)
-        following = IntegralSurfaceState(tde, load, surface - self.period * w)
-        return self.mbar * (wanted + w - load), following
+    def own_rows(self) -> tuple[ArrayLike, ...]:
+        """The gain K."""
+        return (self.gain,)
+
+    trial_step: ClassVar[TrialStep | None] = _step

@@ -6,12 +6,45 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
+from asmc_pin.controllers.bsmc import saturated
 from asmc_pin.controllers.law_registry import law
-from asmc_pin.controllers.protocol import Sample, Setpoint
-from asmc_pin.controllers.tde import TdeLaw, TdeState, signed
+from asmc_pin.controllers.one_trial.compiled_tde import (
+    BETA,
+    MBAR,
+    OWN,
+    PAST_ACCELERATION,
+    PAST_TORQUE,
+    tde_terms,
+    with_sign,
+)
+from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
+from asmc_pin.controllers.tde import TdeLaw
+from asmc_pin.numerics.short_loops import short_loops
 from asmc_pin.parameters import PerJoint, Scalar
+
+EXPONENT, STIFFNESS, GAIN, BOUNDARY = range(OWN, OWN + 4)
+
+
+@short_loops
+def terminal_surface(error: float, rate: float, exponent: float, stiffness: float) -> float:
+    """The surface e + |ė|^p sgn(ė)/B of one joint, rad; its `py_func` takes arrays as well."""
+    return error + with_sign(np.abs(rate) ** exponent, rate) / stiffness
+
+
+@trial_step
+def _step(tick: Tick, law: Array, memory: Array, work: Array, command: Array) -> None:
+    tde_terms(tick, law, memory, work)
+    for i in range(command.size):
+        p, stiffness, gain, boundary = law[EXPONENT, i], law[STIFFNESS, i], law[GAIN, i], law[BOUNDARY, i]
+        rate = tick.v_ref[i] - tick.v[i]
+        sigma = terminal_surface(tick.q_ref[i] - tick.q[i], rate, p, stiffness)
+        slide = stiffness / p * with_sign(abs(rate) ** (2.0 - p), rate)
+        w = law[BETA, i] * stiffness * sigma + gain * saturated(sigma, boundary)
+        load = work[PAST_ACCELERATION, i] - work[PAST_TORQUE, i] / law[MBAR, i]
+        command[i] = law[MBAR, i] * (tick.a_ref[i] + slide + w - load)
 
 
 @law("ntsm")
@@ -43,16 +76,8 @@ class Ntsm(TdeLaw):
     gain: PerJoint = PerJoint("K", "rad/s²", at_least=0.0)
     boundary: PerJoint = PerJoint("Φ", "rad", above=0.0)
 
-    def step(self, state: TdeState, sample: Sample, setpoint: Setpoint) -> tuple[Array, TdeState]:
-        """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
-        load, state = self.load_estimate(state, sample)
-        rate = setpoint.v - sample.v
-        surface = self.surface(setpoint.q - sample.q, rate)
-        slide = self.stiffness / self.exponent * signed(np.abs(rate) ** (2.0 - self.exponent), rate)
-        inside = np.minimum(np.maximum(surface, -self.boundary), self.boundary) / self.boundary
-        w = self.beta * self.stiffness * surface + self.gain * inside
-        return self.mbar * (setpoint.a + slide + w - load), state
+    def own_rows(self) -> tuple[ArrayLike, ...]:
+        """The exponent p and B, K, Φ."""
+        return self.exponent, self.stiffness, self.gain, self.boundary
 
-    def surface(self, error: Array, rate: Array) -> Array:
-        """σ = e + ⌈ė⌋^p / B, rad."""
-        return error + signed(np.abs(rate) ** self.exponent, rate) / self.stiffness
+    trial_step: ClassVar[TrialStep | None] = _step

@@ -6,14 +6,18 @@ from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
-from asmc_pin.controllers.protocol import Sample, Setpoint
-from asmc_pin.controllers.tde import TdeLaw, TdeState, signed
+from asmc_pin.controllers.one_trial.compiled_tde import MBAR, OWN, OWN_MEMORY, S, pole_placement, with_sign
+from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
+from asmc_pin.controllers.protocol import Sample
+from asmc_pin.controllers.tde import TdeLaw, TdeState
+from asmc_pin.numerics.short_loops import short_loops
 from asmc_pin.parameters import PerJoint, Scalar
 
-_ROUNDING = 1e-12
+ROUNDING = 1e-12
 """Of a torque: a drive that gives as much less than it was told as this has given what it was told."""
 
 
@@ -33,6 +37,32 @@ class SuperTwistingState(NamedTuple):
     told: Array
 
 
+K1, K2, RATE, THRESHOLD, FLOOR = range(OWN, OWN + 5)
+INTEGRAL, SCALE, TOLD = range(OWN_MEMORY, OWN_MEMORY + 3)
+
+
+@short_loops
+def adapt(law: Array, i: int, scale: float, s: float) -> float:
+    """The scale of the gains of joint i from that of the last tick, and s."""
+    change = law[RATE, i] if abs(s) >= law[THRESHOLD, i] else -law[RATE, i]
+    return np.maximum(scale + change, law[FLOOR, i])
+
+
+@trial_step
+def _step(tick: Tick, law: Array, memory: Array, work: Array, command: Array) -> None:
+    pole_placement(tick, law, memory, work, command)
+    for i in range(command.size):
+        s, told = work[S, i], memory[TOLD, i]
+        scale = adapt(law, i, memory[SCALE, i], s)
+        size = scale * law[K1, i] * np.sqrt(abs(s))
+        sign = with_sign(1.0, s)
+        # Where the drive fell short by more than all of the proportional part, the integral waits.
+        if not sign * (told - tick.torque[i]) > law[MBAR, i] * size + ROUNDING * abs(told):
+            memory[INTEGRAL, i] += sign * (scale * law[K2, i])
+        command[i] += law[MBAR, i] * (with_sign(size, s) + memory[INTEGRAL, i])
+        memory[SCALE, i], memory[TOLD, i] = scale, command[i]
+
+
 @law("sta")
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sta(TdeLaw):
@@ -41,8 +71,8 @@ class Sta(TdeLaw):
     With fixed gains a = 1. With `rate` > 0 they adapt, in the ratio that they have: da/dt = rate·sgn(|s| − threshold),
     never below `floor`; the source lets a rise at a constant rate where it is below.
 
-    The integral is conditioned: where the drive fell short of the torque asked for by more than all of the
-    proportional part, in the direction of s, ϖ goes back, so that no limit winds it up. An ideal drive never does.
+    The integral is conditional: where the drive fell short of the torque asked for by more than all of the
+    proportional part, in the direction of s, ϖ waits, so that no limit winds it up. An ideal drive never does.
 
     Attributes:
         k1: Gain on √|s|, scalar or nv values, at least 0, (rad/s³)^½.
@@ -58,7 +88,7 @@ class Sta(TdeLaw):
     )
     reference: ClassVar[str] = (
         "Levant (1993), Int. J. Control 58(6); with TDE: Kali et al. (2018), Nonlinear Dyn. 93(2); adaptive: Shtessel, "
-        "Taleb, Plestan (2012), Automatica 48(5); conditioned: Seeber, Reichhartinger (2020), Automatica 116"
+        "Taleb, Plestan (2012), Automatica 48, 759–769"
     )
 
     k1: PerJoint = PerJoint("k₁, gain on √|s|", "(rad/s³)^½", at_least=0.0)
@@ -72,20 +102,8 @@ class Sta(TdeLaw):
         zero = np.zeros_like(sample.q)
         return SuperTwistingState(self.start(sample), zero, np.maximum(zero + 1.0, self.floor), sample.torque.copy())
 
-    def step(self, state: SuperTwistingState, sample: Sample, setpoint: Setpoint) -> tuple[Array, SuperTwistingState]:
-        """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
-        torque, s, tde = self.pole_placement(state.tde, sample, setpoint)
-        scale = self.adapt(state.scale, s)
-        size = scale * self.k1 * np.sqrt(np.abs(s))
-        sign = np.copysign(1.0, s + 0.0)
-        short = sign * (state.told - sample.torque)
-        slack = _ROUNDING * np.abs(state.told)
-        way = np.where(short > self.mbar * size + slack, -sign, sign)
-        integral = state.integral + self.period * (scale * self.k2) * way
-        told = torque + self.mbar * (signed(size, s) + integral)
-        return told, SuperTwistingState(tde, integral, scale, told)
+    def own_rows(self) -> tuple[ArrayLike, ...]:
+        """Both gains, the second over a period; what the scale changes by in a period; threshold and floor."""
+        return self.k1, self.period * self.k2, self.period * self.rate, self.threshold, self.floor
 
-    def adapt(self, scale: Array, s: Array) -> Array:
-        """a_k from a_{k−1} and s_k; all (batch, nv), s in rad/s."""
-        change = self.period * self.rate
-        return np.maximum(scale + np.where(np.abs(s) >= self.threshold, change, -change), self.floor)
+    trial_step: ClassVar[TrialStep | None] = _step
