@@ -6,12 +6,45 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
-from asmc_pin.controllers.protocol import Sample, Setpoint
+from asmc_pin.controllers.one_trial.compiled_tde import MBAR, OWN, OWN_MEMORY, S, pole_placement, with_sign
+from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
+from asmc_pin.controllers.protocol import Sample
 from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, signed
+from asmc_pin.numerics.short_loops import short_loops
 from asmc_pin.parameters import Scalar, ScalarOrWord
+
+RATE, EPSILON, EPSILON_PER_GAIN, FLOOR, RISE = range(OWN, OWN + 5)
+GAIN = OWN_MEMORY
+
+
+@short_loops
+def adapt(law: Array, s: Array, gain: float) -> float:
+    """k̂_k of all joints from k̂_{k−1}, rad/s², and s_k, rad/s.
+
+    k̂_k = max(μ, k̂_{k−1} + L k̄ ‖s‖ sgn(‖s‖ − ε)) if k̂_{k−1} > μ, else k̂_{k−1} + L μ; sgn(0) = +1.
+    ε = 4 k̂_{k−1} L if it is ``"4KL"``.
+    """
+    size = 0.0
+    for i in range(s.size):
+        size += s[i] * s[i]
+    size = float(np.sqrt(size))
+    if not gain > law[FLOOR, 0]:
+        return gain + float(law[RISE, 0])
+    outside = size >= law[EPSILON, 0] + law[EPSILON_PER_GAIN, 0] * gain
+    return float(np.maximum(law[FLOOR, 0], gain + law[RATE, 0] * (size if outside else -size)))
+
+
+@trial_step
+def _step(tick: Tick, law: Array, memory: Array, work: Array, command: Array) -> None:
+    pole_placement(tick, law, memory, work, command)
+    gain = adapt(law, work[S], memory[GAIN, 0])
+    for i in range(command.size):
+        memory[GAIN, i] = gain
+        command[i] += law[MBAR, i] * with_sign(gain, work[S, i])
 
 
 @law("plestan2010")
@@ -44,23 +77,19 @@ class Plestan2010(TdeLaw):
         """State before the first tick, from the sample of t = 0; k̂₀ = μ."""
         return AdaptiveState(self.start(sample), np.full(sample.q.shape, self.floor))
 
-    def step(self, state: AdaptiveState, sample: Sample, setpoint: Setpoint) -> tuple[Array, AdaptiveState]:
-        """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
-        torque, s, tde = self.pole_placement(state.tde, sample, setpoint)
-        gain = self.adapt(state.gain, s)
-        return torque + self.mbar * signed(gain, s), AdaptiveState(tde, gain)
+    def own_rows(self) -> tuple[ArrayLike, ...]:
+        """L k̄; ε, and ε per unit of k̂, of which one is 0; μ; L μ."""
+        relative = isinstance(self.epsilon, str)
+        return (
+            self.period * self.rate,
+            0.0 if relative else self.epsilon,
+            4.0 * self.period if relative else 0.0,
+            self.floor,
+            self.period * self.floor,
+        )
+
+    trial_step: ClassVar[TrialStep | None] = _step
 
     def switching_term(self, s: Array, gain: Array) -> Array:
         """The term w = k̂ sgn(s) at the ticks of a run; see `TdeLaw.switching_term`."""
         return signed(gain, s)
-
-    def adapt(self, gain: Array, s: Array) -> Array:
-        """k̂_k from k̂_{k−1}, both (batch, nv) with equal columns, rad/s², and s_k, (batch, nv), rad/s.
-
-        k̂_k = max(μ, k̂_{k−1} + L k̄ ‖s‖ sgn(‖s‖ − ε)) if k̂_{k−1} > μ, else k̂_{k−1} + L μ; sgn(0) = +1.
-        ε = 4 k̂_{k−1} L if it is ``"4KL"``.
-        """
-        size = np.sqrt(np.add.reduce(s * s, axis=-1, keepdims=True))
-        epsilon = 4.0 * self.period * gain if isinstance(self.epsilon, str) else self.epsilon
-        change = (self.period * self.rate) * np.where(size >= epsilon, size, -size)
-        return np.where(gain > self.floor, np.maximum(self.floor, gain + change), gain + self.period * self.floor)
