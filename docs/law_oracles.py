@@ -240,11 +240,12 @@ def _dob_is_ppc() -> float:
     return apart(run(Dob(cutoff_hz=np.inf, **gains), 1.0, 0.8).torque, run(Ppc(**gains), 1.0, 0.8).torque)
 
 
-@oracle("dob", "growth of N over 60 periods at c·a = 1.98 and 2.02", "below 1 and above 1: the edge is c·a = 2", 0.5, 1.0)
+@oracle("dob", "whether N falls at c·a = 1.98 and grows at 2.02, of a = 3", "1: yes, the edge is c·a = 2", 0.5, 1.0)
 def _dob_edge() -> float:
     grown = []
     for edge in (1.98, 2.02):
-        law = Dob(mbar=3.0, cutoff_hz=-np.log(1.0 - edge / 3.0) / (2.0 * np.pi * PERIOD), ks=0.1, beta=0.1, period=PERIOD)
+        cutoff = -np.log(1.0 - edge / 3.0) / (2.0 * np.pi * PERIOD)
+        law = Dob(mbar=3.0, cutoff_hz=cutoff, ks=0.1, beta=0.1, period=PERIOD)
         kick = np.zeros((120, 1))
         kick[2:] = 1.0
         n = np.abs(run(law, 1.0, ticks=120, load=kick, kicks=0.0).error()[:, 0])
@@ -392,13 +393,13 @@ def _implicit_gain() -> float:
     return float(np.abs(runs[0] - runs[1]).max())
 
 
-@oracle("plestan2010", "`switching = \"implicit\"`, s where λ|b| < k̂ g", "s_{k+1} = −g N_k")
+@oracle("plestan2010", '`switching = "implicit"`, s where λ|b| < k̂ g', "s_{k+1} = −g N_k")
 def _plestan_implicit() -> float:
     law = Plestan2010(mbar=0.6, rate=1e5, epsilon=1e-4, floor=1.0, switching="implicit", **GAINS)
     return _adaptive_error(law)
 
 
-@oracle("baek2016", "`switching = \"implicit\"`, s where λ|b| < k̂ g", "s_{k+1} = −g N_k")
+@oracle("baek2016", '`switching = "implicit"`, s where λ|b| < k̂ g', "s_{k+1} = −g N_k")
 def _baek_implicit() -> float:
     return _adaptive_error(Baek2016(mbar=0.6, phi=1e4, alpha=0.01, epsilon=1e-4, switching="implicit", **GAINS))
 

@@ -88,7 +88,7 @@ class Pid(TdeLaw):
     # Not required where the gains are given, of which they then follow.
     mbar: OptionalPerJoint = OptionalPerJoint("diagonal of M̄", "kg·m²", above=0.0)
     ks: OptionalPerJoint = OptionalPerJoint("diagonal of K_s", "1/s", above=0.0)
-    beta: OptionalPerJoint = OptionalPerJoint("β", "1/s", above=0.0)
+    beta: OptionalPerJoint = OptionalPerJoint("β", "1/s", above=0.0)  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         given = [name for name in ("kp", "ki", "kd") if getattr(self, name) is not None]

@@ -4,21 +4,26 @@ With held torque, an ideal drive and a reference acceleration that is constant w
 
     s_{k+1} = s_k + L K_s ė_k + g (q̈_d − ā_k),   ā_k = q̈_d + K_s ė_k + β s_k + w_k + N_k,   g = L (1 + K_s L/2),
 
-so that without w and N the next s is b_k = s_k + L K_s ė_k − g (K_s ė_k + β s_k), and inside the band
-s_{k+1} = (1 − λ) b_k − g N_k exactly.
+so that without w and N the next s is b_k = s_k + L K_s ė_k − g (K_s ė_k + β s_k), and with w = clip(λ b/g, ±K) inside
+the band, where λ|b| < K g, s_{k+1} = (1 − λ) b_k − g N_k exactly.
+
+Source: Acary, Brogliato (2010), Syst. Control Lett. 59(5), for a surface; the prediction is that of time-delay
+estimation.
 """
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.controllers.one_trial.compiled_tde import BETA, KS, PERIOD, with_sign
-from asmc_pin.controllers.one_trial.trial_step import Tick
+from asmc_pin.controllers.one_trial.compiled_tde import with_sign
 from asmc_pin.numerics.short_loops import short_loops
 from asmc_pin.parameters import Choice, Scalar
 
-SHARE_MEANING = "λ, the part of the next s that implicit switching takes away"
+if TYPE_CHECKING:
+    from asmc_pin.controllers.tde import TdeLaw
 
 
 def switching_choice() -> Choice:
@@ -28,38 +33,35 @@ def switching_choice() -> Choice:
 
 def share_scalar() -> Scalar:
     """The parameter `share` of an adaptive law."""
-    return Scalar(SHARE_MEANING, above=0.0, at_most=1.0, default=1.0)
+    return Scalar("λ, the part of the next s that implicit switching takes away", above=0.0, at_most=1.0, default=1.0)
 
 
-@short_loops
-def implicit_switching(law: Array, i: int, gain: float, share: float, s: float, rate: float) -> float:
-    """The term clip(λ b/g, ±K) of joint i, rad/s².
+def band_slopes(law: TdeLaw, share: Array | float) -> tuple[Array, Array]:
+    """Slopes of λ b/g over s, 1/s, and over ė, 1/s; each a scalar or (nv,).
 
     Args:
-        law: Parameters of a TDE law, (rows, nv).
-        i: The joint.
-        gain: K, at least 0, rad/s².
-        share: λ, the part of b that is taken away in a period, above 0 and at most 1.
-        s: Sliding variable (4), rad/s.
-        rate: ė, rad/s.
-
-    Source: Acary, Brogliato (2010), Syst. Control Lett. 59(5), for a surface; the prediction is that of time-delay
-    estimation.
+        law: Its K_s, β and period are read.
+        share: λ, above 0 and at most 1.
     """
-    ks, period = law[KS, i], law[PERIOD, i]
-    reach = period * (1.0 + 0.5 * ks * period)
-    ahead = s + period * ks * rate - reach * (ks * rate + law[BETA, i] * s)
-    # A gain that is nan has to show.
-    return np.minimum(np.maximum(share / reach * ahead, -gain), gain)
+    reach = law.period * (1.0 + 0.5 * law.ks * law.period)
+    slope = share / reach
+    return np.asarray(slope * (1.0 - reach * law.beta)), np.asarray(slope * (law.period - reach) * law.ks)
 
 
 @short_loops
-def switched(law: Array, i: int, implicit: float, gain: float, share: float, s: float, rate: float) -> float:
-    """The switching term K sgn(s) of joint i, rad/s²; by backward Euler where `implicit` is not 0."""
-    return implicit_switching(law, i, gain, share, s, rate) if implicit != 0.0 else with_sign(gain, s)
+def clipped(value: float, gain: float) -> float:
+    """A value within ±gain; a gain that is nan shows."""
+    return float(np.minimum(np.maximum(value, -gain), gain))
 
 
 @short_loops
-def rate_error(tick: Tick, i: int) -> float:
-    """ė of joint i, rad/s."""
-    return tick.v_ref[i] - tick.v[i]
+def switched(explicit: float, gain: float, s: float, inside: float) -> float:
+    """The switching term of one joint, rad/s²: K sgn(s), or by backward Euler where `explicit` is 0.
+
+    Args:
+        explicit: 1 or 0.
+        gain: K, at least 0, rad/s².
+        s: Sliding variable (4), rad/s.
+        inside: λ b/g, rad/s².
+    """
+    return with_sign(gain, s) if explicit != 0.0 else clipped(inside, gain)

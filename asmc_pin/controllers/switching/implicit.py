@@ -11,19 +11,19 @@ from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
 from asmc_pin.controllers.one_trial.compiled_tde import MBAR, OWN, S, pole_placement
 from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
-from asmc_pin.controllers.switching.backward_euler import implicit_switching, rate_error
+from asmc_pin.controllers.switching.backward_euler import band_slopes, clipped
 from asmc_pin.controllers.tde import TdeLaw
 from asmc_pin.parameters import PerJoint, Scalar
 
-GAIN, SHARE = OWN, OWN + 1
+GAIN, OF_S, OF_RATE = range(OWN, OWN + 3)
 
 
 @trial_step
 def _step(tick: Tick, law: Array, memory: Array, work: Array, command: Array) -> None:
     pole_placement(tick, law, memory, work, command)
     for i in range(command.size):
-        w = implicit_switching(law, i, law[GAIN, i], law[SHARE, i], work[S, i], rate_error(tick, i))
-        command[i] += law[MBAR, i] * w
+        inside = law[OF_S, i] * work[S, i] + law[OF_RATE, i] * (tick.v_ref[i] - tick.v[i])
+        command[i] += law[MBAR, i] * clipped(inside, law[GAIN, i])
 
 
 @law("implicit")
@@ -49,7 +49,7 @@ class Implicit(TdeLaw):
     share: Scalar = Scalar("λ, the part of the next s that is taken away", above=0.0, at_most=1.0)
 
     def own_rows(self) -> tuple[ArrayLike, ...]:
-        """K and λ."""
-        return self.gain, self.share
+        """K, and λ b/g per unit of s and of ė."""
+        return self.gain, *band_slopes(self, self.share)
 
     trial_step: ClassVar[TrialStep | None] = _step

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
@@ -30,8 +29,8 @@ EXPONENT, STIFFNESS, GAIN, BOUNDARY = range(OWN, OWN + 4)
 
 @short_loops
 def terminal_surface(error: float, rate: float, exponent: float, stiffness: float) -> float:
-    """The surface e + |ė|^p sgn(ė)/B of one joint, rad; its `py_func` takes arrays as well."""
-    return error + with_sign(np.abs(rate) ** exponent, rate) / stiffness
+    """The surface e + |ė|^p sgn(ė)/B of one joint, rad."""
+    return float(error + with_sign(abs(rate) ** exponent, rate) / stiffness)
 
 
 @trial_step

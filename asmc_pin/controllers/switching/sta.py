@@ -42,10 +42,9 @@ INTEGRAL, SCALE, TOLD = range(OWN_MEMORY, OWN_MEMORY + 3)
 
 
 @short_loops
-def adapt(law: Array, i: int, scale: float, s: float) -> float:
-    """The scale of the gains of joint i from that of the last tick, and s."""
-    change = law[RATE, i] if abs(s) >= law[THRESHOLD, i] else -law[RATE, i]
-    return np.maximum(scale + change, law[FLOOR, i])
+def adapt(scale: float, s: float, change: float, threshold: float, floor: float) -> float:
+    """The scale of a joint's gains from that of the last tick, and s; `change` is what it grows or shrinks by."""
+    return float(np.maximum(scale + (change if abs(s) >= threshold else -change), floor))
 
 
 @trial_step
@@ -53,7 +52,7 @@ def _step(tick: Tick, law: Array, memory: Array, work: Array, command: Array) ->
     pole_placement(tick, law, memory, work, command)
     for i in range(command.size):
         s, told = work[S, i], memory[TOLD, i]
-        scale = adapt(law, i, memory[SCALE, i], s)
+        scale = adapt(memory[SCALE, i], s, law[RATE, i], law[THRESHOLD, i], law[FLOOR, i])
         size = scale * law[K1, i] * np.sqrt(abs(s))
         sign = with_sign(1.0, s)
         # Where the drive fell short by more than all of the proportional part, the integral waits.
