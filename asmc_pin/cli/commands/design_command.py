@@ -12,6 +12,7 @@ from asmc_pin.cli.commands.condition_commands import EXIT, check_proof_options, 
 from asmc_pin.cli.console import print_json, progress_bar, say
 from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
 from asmc_pin.cli.loop_options import AccelerationOption, DelayOption, FilterOption, loop_proof_of
+from asmc_pin.cli.next_step import again, say_next
 from asmc_pin.cli.options import (
     ArmArgument,
     BoxOption,
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
 @app.command(rich_help_panel=MBAR)
 @takes_loading_options()
 def design(
+    context: typer.Context,
     arm: ArmArgument,
     condition: ConditionOption = "lemma1",
     objective: Annotated[
@@ -181,6 +183,12 @@ def design(
         print_json(content)
     else:
         say(*lines)
+        kept = ("objective", "form", "bounds", "level", "seed")
+        if found.mbar is not None and not gains:
+            more = () if certify else ("--certify",)
+            say_next(
+                "gains for it, here at 1 ms", again(context, "design", "--gains", "--period", "0.001", *more, also=kept)
+            )
     raise typer.Exit(1 if refuted else {"infeasible": 1, **EXIT}[found.verdict])
 
 

@@ -297,5 +297,14 @@ def scale_refuted(
     found = maximise(
         kind, domain_of(arm, box), check_mbar(mbar, arm.nv), samples=samples, starts=starts, seed=seed, threads=threads
     )
-    factor = max(-found.value, 0.0) if kind == compiled_norms.LEMMA1_SCALE else 2.0 / found.value
-    return factor, found.q
+    return breaking_factor(kind, found.value), found.q
+
+
+def breaking_factor(kind: int, value: float) -> float:
+    """The factor of M̄ at which a condition breaks, from its figure; 0 where no positive one satisfies it.
+
+    Args:
+        kind: `compiled_norms.LEMMA1_SCALE` or `compiled_norms.WEIGHTED_SCALE`.
+        value: The figure at one M(q), or the largest of many.
+    """
+    return max(-value, 0.0) if kind == compiled_norms.LEMMA1_SCALE else 2.0 / value
