@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,8 +20,9 @@ from asmc_pin.arms.payload import Payload
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases
 from asmc_pin.condition.domain.joint_box import Box, BoxLike
 from asmc_pin.condition.hypotheses import Premises
-from asmc_pin.condition.premises import ends_of, premises_of
+from asmc_pin.condition.premises import ends_of, premises_of, worst_keys
 from asmc_pin.condition.search.samples import sample_box
+from asmc_pin.words.text import printable
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -123,6 +124,19 @@ class FrozenArms:
         arm = light if share == 0.0 else laden if share == 1.0 else light.replace(payload=_between(light, laden, share))
         own = self.armature(point)
         return arm if np.array_equal(own, arm.armature) else arm.replace(armature=own.tolist())
+
+    def place(self, point: Array) -> tuple[dict[str, Any], str]:
+        """What of the ranges a point has: by the names of `worst_keys`, and in words, empty without ranges."""
+        about, own = self.about, self.armature(point)
+        where = worst_keys(about, self.arm_of(point), own)
+        said = []
+        if about.payload is not None and isinstance(about.payload.mass, tuple):
+            said.append(f"payload {where['worst_payload']['mass']:.3g} kg")
+        if any(isinstance(value, tuple) for value in about.armature):
+            said.append(f"armature ({', '.join(f'{value:.3g}' for value in own)}) kg·m²")
+        if "worst_locked" in where:
+            said.append(", ".join(f"{printable(name)} at {angle:g}" for name, angle in where["worst_locked"].items()))
+        return where, ", ".join(said)
 
     def mass(self, points: Array) -> Array:
         """M at points, shape (count, nv, nv), kg·m²."""

@@ -192,9 +192,7 @@ def before_the_run(
     weakest = np.atleast_2d(
         np.broadcast_to(plant.effort_limit, np.broadcast_shapes(np.shape(plant.effort_limit), (plant.nv,)))
     )
-    return lines + noise_warnings(
-        plant.arm, laws, sensor, experiment.period, delay=delay, effort_limit=weakest.min(axis=0)
-    )
+    return lines + noise_warnings(arms, laws, sensor, experiment.period, delay=delay, effort_limit=weakest.min(axis=0))
 
 
 def after_the_run(rollouts: Mapping[str, Rollout]) -> list[str]:

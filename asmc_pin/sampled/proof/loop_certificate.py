@@ -78,6 +78,8 @@ def certify_loop(
     """
     check_plain(loop)
     all_cases = tuple(cases(arm, box, payload, armature, lock))
+    if loop.nv != (joints := all_cases[0].domain.arm.nv):
+        raise ParameterError("loop", f"M̄ of {loop.nv} values given, {joints} expected, one per moving joint")
     get_ready()
     clock, began = Clock(), time.monotonic()
     least = Extreme(all_cases, loop.mbar, "least", samples=_SAMPLES, starts=_STARTS, seed=seed)
