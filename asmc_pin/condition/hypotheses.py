@@ -100,6 +100,8 @@ class Premises:
         parts: How many such boxes.
         boxes: These, where it is more than one and they are known: lower and upper ends, each one per joint.
         provisos: In what the arm is not as its file says.
+        mimics: Joints that follow one of `joints`: name to (joint, multiplier, offset).
+        elsewhere: Joints after a whole turn of which what follows them is elsewhere.
     """
 
     arm: str
@@ -115,6 +117,8 @@ class Premises:
     together: bool = False
     boxes: tuple[tuple[tuple[float, ...], tuple[float, ...]], ...] = field(default=(), repr=False)
     provisos: tuple[Proviso, ...] = ()
+    mimics: Mapping[str, tuple[str, float, float]] = field(default_factory=dict)
+    elsewhere: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:
@@ -142,6 +146,11 @@ class Premises:
             content["provisos"] = provisos_json(self.provisos)
         if self.together:
             content["locked_together"] = True
+        if self.mimics:
+            content["mimics"] = {
+                printable(name): {"joint": printable(joint), "multiplier": multiplier, "offset": offset}
+                for name, (joint, multiplier, offset) in self.mimics.items()
+            }
         box = {printable(name): list(ends) for name, ends in self.box.items()}
         content |= {"box": box, "scope": self.where}
         if self.boxes:
@@ -166,6 +175,7 @@ class Premises:
             ("Payload", "none" if self.payload is None else self.payload.words()),
             ("Locked joints", self._locks("; ") or "none"),
             *((proviso.kind[:1].upper() + proviso.kind[1:], visible(proviso.text)) for proviso in self.provisos),
+            *([("Mimicking joints", self._mimics())] if self.mimics else []),
             (over, self._box()),
             *([("Whole turns", self._whole_turns())] if self.where == "box" and self.turning else []),
         ]
@@ -174,11 +184,19 @@ class Premises:
     def turning(self) -> tuple[str, ...]:
         """Joints whose range is a whole turn: continuous, of no declared limits, or of a turn and more."""
         joints = zip(self.box.items(), self.slides, strict=True)
-        return tuple(name for (name, (lo, hi)), slides in joints if not slides and hi - lo >= WHOLE_TURN)
+        wide = tuple(name for (name, (lo, hi)), slides in joints if not slides and hi - lo >= WHOLE_TURN)
+        return tuple(name for name in wide if name not in self.elsewhere)
 
     def lines(self) -> list[str]:
         """The same as lines of text."""
         return [f"{term}: {text}" for term, text in self.rows()]
+
+    def _mimics(self) -> str:
+        said = [
+            f"{quoted(name)} = {exact(multiplier)} · {quoted(joint)}" + (f" + {exact(offset)}" if offset else "")
+            for name, (joint, multiplier, offset) in self.mimics.items()
+        ]
+        return "; ".join(said)
 
     def _armature(self) -> str:
         if not any(self.armature):

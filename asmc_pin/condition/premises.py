@@ -59,6 +59,10 @@ def premises_of(
         parts=len(distinct),
         boxes=distinct if len(distinct) > 1 else (),
         provisos=first.provisos,
+        mimics={name: (m.joint, m.multiplier, m.offset) for name, m in first.mimics.items()},
+        elsewhere=tuple(name for name, same in zip(first.joint_names, first.returns, strict=True) if not same)
+        if first.mimics
+        else (),
     )
 
 

@@ -169,9 +169,10 @@ def test_mimicking_finger_follows_its_locked_twin() -> None:
     assert np.linalg.norm(left - right) == pytest.approx(0.06)
 
 
-def test_freed_finger_that_mimics_is_refused_until_it_is_freed_too() -> None:
-    with pytest.raises(ArmError, match=r"panda_finger_joint2.*mimics joint 'panda_finger_joint1'.*two motors"):
-        load_arm("panda", lock={"panda_finger_joint1": "free"})
+def test_freed_finger_takes_its_twin_along_until_that_is_freed_too() -> None:
+    coupled = load_arm("panda", lock={"panda_finger_joint1": "free"})
+    assert coupled.joint_names[-1] == "panda_finger_joint1"
+    assert list(coupled.mimics) == ["panda_finger_joint2"]
     arm = load_arm("panda", lock={"panda_finger_joint1": "free", "panda_finger_joint2": "free"})
     assert arm.joint_kinds[-2:] == ("prismatic", "prismatic")
     assert any("motor of its own" in warning for warning in arm.warnings)

@@ -48,7 +48,12 @@ def write(path: Path, figures: dict[str, Any], cases: Sequence[Case], proofs: Se
         figures: What the header says besides what follows from the other arguments.
         cases: The arms that the statements speak of.
         proofs: Statements and how they are proven.
+
+    Raises:
+        ResultError: The checker could not read it, or it cannot be written.
     """
+    if cases[0].domain.arm.mimics:
+        raise ResultError(path, f"{cases[0].domain.arm.name} has joints that mimic others, which no certificate knows")
     records = [proof.record for proof in proofs]
     arm = cases[0].domain.arm
     header: dict[str, Any] = {
