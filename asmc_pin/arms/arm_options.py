@@ -19,7 +19,7 @@ from asmc_pin.errors import ParameterError
 from asmc_pin.words.units import check_angle, check_gravity
 
 GRAVITY = (0.0, 0.0, -9.81)
-Load = float | Payload | Mapping[str, Any]
+Load = float | str | Payload | Mapping[str, Any]
 Armature = float | Sequence[float] | Array | Mapping[str, float]
 Lock = Mapping[str, "float | str | None"]
 Gravity = Sequence[float] | Array

@@ -31,6 +31,7 @@ from asmc_pin.arms.pinocchio_model import (
     check_mass_matrix,
     check_moving_links,
     last_link,
+    loads_in_vain,
     set_limits,
 )
 from asmc_pin.arms.pinocchio_tree import tree_of
@@ -60,8 +61,8 @@ def load_arm(
     Args:
         source: Name of a known arm (`arm_names`), or of one of robot_descriptions where that is installed; or path of a
             URDF or a xacro file. Meshes are not needed.
-        payload: What it carries: a mass in kg, as a point at the frame of the last moving link; or a `Payload`, or a
-            mapping with its fields, with centre, inertia and link.
+        payload: What it carries: a mass in kg, as a point at the frame of the last moving link; a text ``2@tool0``, as
+            a point at that link's frame; or a `Payload`, or a mapping with its fields, with centre, inertia and link.
         armature: Reflected rotor inertia (rotor inertia times gear ratio squared), kg·m² (kg where prismatic), on the
             diagonal of M: one value, one per joint, or joint to value. Takes the place of what the arm's entry has.
         lock: Joint to value, rad (m): the joint is rigid there. Added to the entry's default locks; None or ``"free"``
@@ -146,9 +147,10 @@ def assemble(recipe: Recipe) -> Arm:
     own = robot.mjcf.gravity if robot.mjcf is not None else GRAVITY
     model.gravity.linear = np.array(own) if variant.gravity is None else variant.gravity
     set_limits(model, joints)
-    payload = variant.payload
+    payload, vain = variant.payload, []
     if payload is not None:
         payload = replace(payload, link=payload.link or last_link(robot, model))
+        vain = loads_in_vain(robot, model, coupling, payload)
         carry(robot, model, payload)
     check_mass_matrix(robot, model, coupling)
     tree = tree_of(model, coupling)
@@ -169,7 +171,7 @@ def assemble(recipe: Recipe) -> Arm:
         locked=MappingProxyType(locked),
         mimics=MappingProxyType(dict(followed.mimics)),
         payload=payload,
-        warnings=(*robot.warnings, *_warnings(robot, driven, locked), *followed.notes),
+        warnings=(*robot.warnings, *_warnings(robot, driven, locked), *followed.notes, *vain),
         provisos=robot.provisos,
         source=robot.path,
         sha256=robot.sha256,

@@ -23,6 +23,8 @@ _LEAST = 1e-100
 _NO_RADIUS = 1e-20
 # Relative: a few roundings of rotations that are composed along a chain.
 _MUJOCO_AGREES = 1e-12
+# m²: a payload's radius of gyration about an axis, squared, below which it is on the axis: a micrometre.
+_ON_AXIS = 1e-12
 
 
 def bare_model(robot: Robot, locked: Mapping[str, float]) -> pin.Model:
@@ -111,6 +113,55 @@ def carry(robot: Robot, model: pin.Model, payload: Payload) -> None:
     body = pin.Inertia(payload.mass, np.array(payload.com), payload.inertia_matrix)
     # Not `+=`: the vector hands out references, and the sum is to stand in the model.
     model.inertias[frame.parentJoint] = model.inertias[frame.parentJoint] + frame.placement.act(body)
+
+
+def loads_in_vain(robot: Robot, model: pin.Model, coupling: Coupling, payload: Payload) -> list[str]:
+    """Joints that a payload cannot load, in plain words: beyond the link that carries it, or with it on their axis.
+
+    Args:
+        robot: The checked URDF.
+        model: The arm, with or without the payload.
+        coupling: How its joints follow its coordinates.
+        payload: With its link named.
+    """
+    if payload.mass == 0.0:
+        return []
+    frame = link_frame(robot, model, str(payload.link))
+    body = frame.placement.act(pin.Inertia(payload.mass, np.array(payload.com), payload.inertia_matrix))
+    alone = model.copy()
+    for index in range(1, alone.njoints):
+        alone.inertias[index] = body if index == frame.parentJoint else pin.Inertia.Zero()
+    alone.armature = np.zeros(alone.nv)
+    data, generator = alone.createData(), np.random.default_rng(0)
+    felt = np.zeros(coupling.nv)
+    for q in generator.uniform(-np.pi, np.pi, (_SAMPLES, coupling.nv)):
+        felt = np.maximum(felt, np.diag(coupling.form(pin.crba(alone, data, coupling.joints(q)))))
+    names = [str(model.names[int(leader) + 1]) for leader in coupling.leader]
+    unfelt = [bool(value <= _ON_AXIS * payload.mass) for value in felt]
+    beyond, on_axis = [], []
+    carrying, outer = set(model.supports[frame.parentJoint]), set(model.subtrees[frame.parentJoint])
+    for k, leader in enumerate(coupling.leader):
+        if unfelt[k] and int(leader) + 1 in carrying:
+            on_axis.append(names[k])
+        elif unfelt[k] and int(leader) + 1 in outer:
+            beyond.append(names[k])
+    said = []
+    if beyond:
+        said.append(
+            f"the payload is on link '{payload.link}' and does not load {_joints(beyond)} beyond it; name the link "
+            "that carries it"
+        )
+    if on_axis:
+        said.append(
+            f"the payload is a point on the axis of {_joints(on_axis)}, which it does not load; give its centre of "
+            "mass (com) or its inertia, if it has any"
+        )
+    return said
+
+
+def _joints(names: list[str]) -> str:
+    listed = ", ".join(f"'{name}'" for name in names)
+    return f"joint{'s' if len(names) > 1 else ''} {listed}"
 
 
 def set_limits(model: pin.Model, joints: list[Joint]) -> None:

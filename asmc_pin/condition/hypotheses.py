@@ -42,7 +42,7 @@ class Carried:
     Attributes:
         mass: kg; a value, or (lightest, heaviest).
         link: The link that carries it.
-        com: Centre of mass in the link's frame, m, the same over a range.
+        com: Centre of mass in the link's frame, m; each coordinate a value, the same over all masses, or a range.
         inertia: ixx, ixy, ixz, iyy, iyz, izz about that centre, kg·m²; over a range that of the heaviest, while the
             lightest has `inertia_lightest` and what is between lies on the line between them.
         inertia_lightest: None without a range.
@@ -50,7 +50,7 @@ class Carried:
 
     mass: float | Interval
     link: str
-    com: tuple[float, ...]
+    com: tuple[float | Interval, ...]
     inertia: tuple[float, ...]
     inertia_lightest: tuple[float, ...] | None = None
 
@@ -59,7 +59,7 @@ class Carried:
         content: dict[str, Any] = {
             "mass": _plain(self.mass),
             "link": printable(self.link),
-            "com": list(self.com),
+            "com": [_plain(x) for x in self.com],
         }
         if any(self.inertia) or any(self.inertia_lightest or ()):
             content["inertia"] = list(self.inertia)
@@ -69,8 +69,10 @@ class Carried:
 
     def words(self) -> str:
         """The same for a person to read."""
-        at = ", ".join(f"{exact(x)}" for x in self.com)
+        at = ", ".join(_words(x) for x in self.com)
         said = f"{_words(self.mass)} kg at ({at}) m on {quoted(self.link)}"
+        if any(isinstance(x, tuple) for x in self.com):
+            said += " (of each range of its place the ends and the middle, not between)"
         if any(self.inertia) or any(self.inertia_lightest or ()):
             said += f", inertia about its centre ({', '.join(f'{exact(x)}' for x in self.inertia)}) kg·m²"
             if self.inertia_lightest is not None:

@@ -18,6 +18,7 @@ from asmc_pin.condition.certificate.worst_known import Worst
 from asmc_pin.condition.certificate.writing import Proof
 from asmc_pin.condition.domain.along_motion import armature_ends
 from asmc_pin.condition.domain.base_branches import branch_of, branches
+from asmc_pin.condition.domain.payload_ranges import has_places
 from asmc_pin.condition.norm.two_conditions import Condition
 
 if TYPE_CHECKING:
@@ -50,7 +51,15 @@ class ProofProgress:
     seconds: float
 
 
-MIMICS = "searched only: the prover does not know joints that mimic others"
+def unprovable(cases: Sequence[Case]) -> str:
+    """Why nothing is proven of some cases; empty where all that matters is covered by them."""
+    arms = [case.domain.arm for case in cases]
+    if arms[0].mimics:
+        return stopping.COUPLED
+    if has_places([arm.payload for arm in arms]):
+        return stopping.PLACES
+    return ""
+
 
 _QUICK = 0.1
 """Share of the time left below which an attempt was quick, and the next may ask for all at once."""
@@ -93,7 +102,7 @@ class Prover:
         self.tests = 0
         self.reason = ""
         self.obstacle: Obstacle | None = None
-        self.unable = MIMICS if any(case.domain.arm.mimics for case in cases) else ""
+        self.unable = unprovable(cases)
 
     def raise_scale(self, gap: float) -> None:
         """Prove the condition for larger and larger factors of M̄, until the gap is met and M̄ itself is decided."""
