@@ -49,7 +49,7 @@ def settle_mimics(robot: Robot, joints: Sequence[Joint], lock: Collection[str]) 
         The joints.
 
     Raises:
-        ArmError: Joints that mimic each other in a ring, a ratio that is too large, or limits that exclude each other.
+        ArmError: Joints that mimic each other in a ring, or a ratio that is too large.
     """
     follows = {joint.name: joint.mimic for joint in joints if joint.mimic is not None and joint.name not in lock}
     mimics = {name: _master(robot, name, follows) for name in follows}
@@ -65,7 +65,7 @@ def settle_mimics(robot: Robot, joints: Sequence[Joint], lock: Collection[str]) 
     for joint in joints:
         if joint.name not in mimics:
             behind = [(other, mimics[other.name]) for other in joints if _is_followed(mimics, other, joint)]
-            merged, said = _merged(robot, joint, behind)
+            merged, said = _merged(joint, behind)
             driven.append(merged)
             notes += said
     return Followed(coupling, tuple(driven), mimics, tuple(notes))
@@ -101,7 +101,7 @@ def _master(robot: Robot, name: str, follows: Mapping[str, Mimic]) -> Mimic:
     return Mimic(at, multiplier, offset)
 
 
-def _merged(robot: Robot, joint: Joint, behind: Sequence[tuple[Joint, Mimic]]) -> tuple[Joint, list[str]]:
+def _merged(joint: Joint, behind: Sequence[tuple[Joint, Mimic]]) -> tuple[Joint, list[str]]:
     """A joint with what its followers bring, and what is to be said of its limits."""
     if not behind:
         return joint, []
@@ -110,22 +110,13 @@ def _merged(robot: Robot, joint: Joint, behind: Sequence[tuple[Joint, Mimic]]) -
     notes = []
     for other, mimic in behind:
         ends = sorted((limit - mimic.offset) / mimic.multiplier for limit in (other.lower, other.upper))
-        if max(lower, ends[0]) > min(upper, ends[1]) + _ROUNDING:
-            raise ArmError(
-                robot.path,
-                f"{other.where}: it mimics '{joint.name}', and its limits {other.lower:g} … {other.upper:g} leave "
-                f"'{joint.name}' {ends[0]:g} … {ends[1]:g}, where that may not be ({lower:g} … {upper:g}); mend the "
-                "limits or <mimic>",
-            )
-        narrower = ends[0] > lower + _ROUNDING or ends[1] < upper - _ROUNDING
-        lower, upper = max(lower, ends[0]), min(upper, ends[1])
-        if lower > upper:
-            lower = upper = 0.5 * (lower + upper)
-        if narrower:
-            notes.append(
-                f"joint '{other.name}' mimics '{joint.name}', and its limits {other.lower:g} … {other.upper:g} narrow "
-                f"those of '{joint.name}' to {lower:.6g} … {upper:.6g}"
-            )
+        who = f"joint '{other.name}' mimics '{joint.name}', and its limits {other.lower:g} … {other.upper:g}"
+        if min(upper, ends[1]) - max(lower, ends[0]) <= _ROUNDING < upper - lower:
+            # Files are written with limits that nobody reads there, zero to a turn for a joint that goes back.
+            notes.append(f"{who} leave '{joint.name}' no range within {lower:g} … {upper:g}: not regarded, mend them")
+        elif ends[0] > lower + _ROUNDING or ends[1] < upper - _ROUNDING:
+            lower, upper = max(lower, ends[0]), min(upper, ends[1])
+            notes.append(f"{who} narrow those of '{joint.name}' to {lower:.6g} … {upper:.6g}")
         velocity = min(velocity, other.velocity / abs(mimic.multiplier))
         friction += abs(mimic.multiplier) * other.friction
         damping += mimic.multiplier**2 * other.damping
