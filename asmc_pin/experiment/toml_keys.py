@@ -89,6 +89,15 @@ class PayloadTable(TomlTable):
 
 
 def _payload(value: Any) -> Any:
+    if isinstance(value, str):
+        from asmc_pin.arms.payload import as_payload
+
+        try:
+            load = as_payload(value)
+        except ParameterError as error:
+            raise ValueError(f"must be a mass, a text like '2@tool0' or a table, got {value!r} ({error})") from None
+        assert load is not None
+        return {"mass": load.mass, "link": load.link}
     return {"mass": value} if _is_number(value) else value
 
 
@@ -129,7 +138,8 @@ class ArmTable(TomlTable):
     )
     payload: Annotated[PayloadTable | None, BeforeValidator(_payload)] = Field(
         default=None,
-        description="kg, as a point mass at the last moving link; or a table `mass`, `com`, `inertia`, `link`",
+        description='kg, as a point mass at the last moving link; or `"2@tool0"`, at that link; or a table `mass`, '
+        "`com`, `inertia`, `link`",
     )
     armature: Annotated[
         float | list[float] | dict[str, float] | None, BeforeValidator(_armature), WithJsonSchema(_ARMATURE_SCHEMA)

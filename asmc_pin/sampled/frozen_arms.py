@@ -35,7 +35,7 @@ class FrozenArms:
     """Arms and configurations over which a loop is looked at.
 
     Attributes:
-        pairs: The arm with the lightest and with the heaviest payload, per choice of locked joints.
+        pairs: The arm with the lightest and with the heaviest payload, per choice of locked joints and place of it.
         box: The joint box.
         armature_lower: Shape (nv,), kg·m².
         armature_upper: Shape (nv,), kg·m².
@@ -186,9 +186,21 @@ def frozen_arms(
 
 
 def _pairs(found: Sequence[Case]) -> tuple[tuple[Arm, Arm], ...]:
-    by_lock = groupby((case.domain.arm for case in found), key=lambda arm: dict(arm.locked))
-    ends = [list(arms) for _, arms in by_lock]
-    return tuple((some[0], some[-1]) for some in ends)
+    pairs = []
+    for _, arms in groupby((case.domain.arm for case in found), key=lambda arm: dict(arm.locked)):
+        some = list(arms)
+        # Of a range of places each is a pair; what weighs nothing is nowhere.
+        bare = some[0] if some[0].payload is None or some[0].payload.mass == 0.0 else None
+        for _, here in groupby(some, key=_place):
+            ends = list(here)
+            if ends[0] is not bare or len(some) == 1:
+                pairs.append((ends[0] if bare is None else bare, ends[-1]))
+    return tuple(pairs)
+
+
+def _place(arm: Arm) -> tuple[float, ...] | None:
+    load = arm.payload
+    return None if load is None or load.mass == 0.0 else load.com
 
 
 def _between(light: Arm, laden: Arm, share: float) -> Payload:

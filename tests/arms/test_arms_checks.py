@@ -129,9 +129,9 @@ FAULTS = {
         ["a closed loop", "links a, b hang on each other", "not on the base 'base'"],
     ),
     "two bases": (robot(BASE, UPPER, LOWER, SHOULDER), ["2 links have no parent (base, lower)", "fixed joints"]),
-    "mimic": (
-        elbow(LIMIT + '<mimic joint="shoulder" multiplier="2"/>'),
-        ["joint 'elbow'", "mimics joint 'shoulder'", "coupled joints are not supported", "'elbow' follows", "'free'"],
+    "mimic in a ring": (
+        elbow(LIMIT + '<mimic joint="elbow" multiplier="2"/>'),
+        ["joint 'elbow' in arm.urdf", "mimic each other in a ring, 'elbow' → 'elbow'", "--lock elbow=free"],
     ),
     "mimic of nothing": (
         elbow(LIMIT + '<mimic joint="sholder"/>'),

@@ -6,12 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from arm_urdf import write
+from coupled_urdf import coupled_tree, gripper
 from scipy.spatial import cKDTree
 from viewer_cases import BENT, bent_arm
 
 from asmc_pin.arms import arm_names, load_arm
 from asmc_pin.arms.robot_files import RobotFiles
-from asmc_pin.viewer import draw
+from asmc_pin.viewer import PlayedMotion, describe, draw
 from asmc_pin.viewer.drawing.drawn_bodies import assemble, attachments, body_poses, joint_frames
 from asmc_pin.viewer.drawing.mesh_simplify import simplify
 from asmc_pin.viewer.drawing.surface import Surface, join
@@ -55,6 +57,23 @@ def test_bodies_move_as_pinocchio_moves_the_links(name: str) -> None:
     poses, links = body_poses(joint_frames(arm), q), arm.link_poses(q)
     for link, (_, body, pose) in enumerate(attachments(arm)):
         np.testing.assert_allclose(poses[:, body] @ pose, links[:, link], atol=1e-9)
+
+
+def test_mimicking_links_are_drawn_where_they_go(tmp_path: Path) -> None:
+    for text in (gripper(), coupled_tree(np.random.default_rng(2), joints=6, followers=3)):
+        arm = load_arm(write(tmp_path, text))
+        q = np.random.default_rng(3).uniform(-1.0, 1.0, (4, arm.nv))
+        drawn = draw(arm)
+        poses, links = drawn.poses(q), arm.link_poses(q)
+        for link, (_, body, pose) in enumerate(attachments(arm)):
+            np.testing.assert_allclose(poses[:, body] @ pose, links[:, link], atol=1e-9)
+        told = describe(drawn, arm.joint_names, np.arange(4.0), [PlayedMotion("A", "#000000", q)], None)
+        assert [joint["name"] for joint in told["joints"]] == list(arm.joint_names)
+        moving = told["arm"]["bodies"][1:]
+        coupling = arm.tree.coupling
+        assert [body["joint"] for body in moving] == coupling.coordinate.tolist()
+        assert [body["ratio"] for body in moving] == coupling.ratio.tolist()
+        assert [body["offset"] for body in moving] == coupling.offset.tolist()
 
 
 def test_the_ur5_is_as_large_as_a_ur5() -> None:

@@ -19,6 +19,8 @@ NORM_REFUTED = "a configuration was found whose norm is not below the level"
 LEVEL_PROVEN = "the level asked for is proven"
 SHARE_SPENT = "its share of the time was spent"
 TOO_SLOW = "it would not have ended in time"
+COUPLED = "searched only: the prover does not know joints that mimic others; lock those that they follow"
+PLACES = "searched only: no proof covers a range of the payload's place; ask for each place alone"
 
 NEAREST = 4.0 * MARGIN
 """What is tried within this share of what is refuted cannot be told from it: a proof is of a little more than is said,

@@ -18,6 +18,7 @@ from asmc_pin.condition.certificate.worst_known import Worst
 from asmc_pin.condition.certificate.writing import Proof
 from asmc_pin.condition.domain.along_motion import armature_ends
 from asmc_pin.condition.domain.base_branches import branch_of, branches
+from asmc_pin.condition.domain.payload_ranges import has_places
 from asmc_pin.condition.norm.two_conditions import Condition
 
 if TYPE_CHECKING:
@@ -50,6 +51,16 @@ class ProofProgress:
     seconds: float
 
 
+def unprovable(cases: Sequence[Case]) -> str:
+    """Why nothing is proven of some cases; empty where all that matters is covered by them."""
+    arms = [case.domain.arm for case in cases]
+    if arms[0].mimics:
+        return stopping.COUPLED
+    if has_places([arm.payload for arm in arms]):
+        return stopping.PLACES
+    return ""
+
+
 _QUICK = 0.1
 """Share of the time left below which an attempt was quick, and the next may ask for all at once."""
 
@@ -66,6 +77,7 @@ class Prover:
         worst: What is refuted.
         reason: Why it stopped.
         obstacle: Where the last attempt did not get on, though nothing contradicts it.
+        unable: Why it proves nothing of these arms; empty where it may.
     """
 
     def __init__(
@@ -90,6 +102,7 @@ class Prover:
         self.tests = 0
         self.reason = ""
         self.obstacle: Obstacle | None = None
+        self.unable = unprovable(cases)
 
     def raise_scale(self, gap: float) -> None:
         """Prove the condition for larger and larger factors of M̄, until the gap is met and M̄ itself is decided."""
@@ -135,7 +148,7 @@ class Prover:
                 self.scale = trying
                 self.history.append((time.monotonic() - self.began, trying))
             elif outcome == "stopped":
-                self.reason = stopping.OUT_OF_TIME
+                self.reason = self.unable or stopping.OUT_OF_TIME
                 return
             elif outcome == "slow":
                 ceiling, blocked = trying, None
@@ -145,8 +158,8 @@ class Prover:
 
     def lower_level(self, seconds: float, goal: float | None = None) -> None:
         """Prove lower and lower levels of M̄ itself, in addition to its scale; with a goal only that one."""
-        late = stopping.OUT_OF_TIME
-        if (until := time.monotonic() + seconds) < self.deadline:
+        late = self.unable or stopping.OUT_OF_TIME
+        if not self.unable and (until := time.monotonic() + seconds) < self.deadline:
             self.deadline, late = until, stopping.SHARE_SPENT
         why = ""
         for share in (0.5, 0.2, 0.05) if goal is None else (0.0,):
@@ -205,8 +218,10 @@ class Prover:
 
     def _attempt(self, statements: list[Statement], label: str, patient: bool, key: str = "scale") -> Outcome:
         """Prove all of some statements, or say why not; where one is not positive, search on from there."""
+        if self.unable:
+            return "stopped"
         proofs = []
-        parts = [branches(self._cases[statement.case].domain.arm.tree.parent) for statement in statements]
+        parts = [branches(self._cases[statement.case].domain.arm.tree) for statement in statements]
         number, count = 0, sum(map(len, parts))
         for statement, mine in zip(statements, parts, strict=True):
             records = []

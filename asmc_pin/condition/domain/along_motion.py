@@ -127,7 +127,7 @@ def norms_along(
     largest = np.full(len(q), -np.inf)
     worst = np.empty_like(q)
     # Branch by branch: the blocks of M(q) have the ends of their own joints only.
-    for joints in branches(arm.tree.parent):
+    for joints in branches(arm.tree):
         tree, mine = branch_of(arm.tree, joints), np.ascontiguousarray(q[:, joints])
         best = np.full(len(q), -np.inf)
         for armature in armature_ends(lower[joints], upper[joints]):

@@ -69,7 +69,7 @@ class Domain:
 
     def by_branch(self) -> list[Domain]:
         """A domain for each branch on the base: M(q) is block diagonal, and these are its blocks."""
-        parts = branches(self.tree.parent)
+        parts = branches(self.tree)
         if len(parts) == 1:
             return [self]
         return [

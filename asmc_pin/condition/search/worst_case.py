@@ -111,10 +111,10 @@ def maximise(
     if len(parts) == 1:
         return _of_branch(kind, domain, mbar, q, armature, starts, threads, more)
     found = []
-    for part, mine in zip(parts, branches(domain.tree.parent), strict=True):
+    for part, mine in zip(parts, branches(domain.tree), strict=True):
         given = more[0][:, mine], more[1][:, mine]
         found.append(_of_branch(kind, part, mbar[mine], q[:, mine], armature[:, mine], starts, threads, given))
-    return _together(found, branches(domain.tree.parent))
+    return _together(found, branches(domain.tree))
 
 
 def _of_branch(

@@ -103,7 +103,8 @@ def certify_loop(
                 break
             outcome = prover.try_bound(limit)
             if outcome != "proven":
-                reason = OUT_OF_TIME if outcome == "stopped" else prover.why_not(limit)
+                late = prover.unable or OUT_OF_TIME
+                reason = late if outcome == "stopped" else prover.why_not(limit)
                 break
         else:
             reason = ""
