@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from asmc_pin.pages.summary_tables import number
+from asmc_pin.pages.tables.text_table import number
 from asmc_pin.reproduction.printed_tables import BSMC, EXISTING, NORM, PPC, PROPOSED, Printed
 from asmc_pin.reproduction.tuned_rows import SUFFIX
 

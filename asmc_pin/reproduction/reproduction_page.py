@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from asmc_pin.pages.summary_tables import Table, markdown_table, number
+from asmc_pin.pages.tables.text_table import Table, markdown_table, number
 from asmc_pin.reproduction.readings_page import cannot_hold, search_section, words
 from asmc_pin.words.line_width import wrap_prose
 from asmc_pin.words.media import for_cell
