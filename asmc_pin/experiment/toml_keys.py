@@ -26,6 +26,8 @@ from asmc_pin.words.units import LONGEST_PERIOD, check_period
 
 MOST_CONTROLLERS = 100
 
+MOST_TRIALS = 10_000
+
 MOST_TICKS = 10_000_000
 """Longest run in control ticks: almost three hours at 1 ms, some gigabytes of trajectories for each controller."""
 
@@ -209,6 +211,17 @@ class MetricsTable(TomlTable):
     )
 
 
+class EnsembleTable(TomlTable):
+    """How sure a figure is: trials that differ by less than anyone could set or measure."""
+
+    trials: int = Field(
+        default=16, ge=1, le=MOST_TRIALS, description="trials of each controller, run in lockstep; 1 for a single run"
+    )
+    q0_deviation: float = Field(
+        default=1e-6, ge=0.0, description="standard deviation of q(0) in all trials but the first, rad (m)"
+    )
+
+
 def _printable(value: dict[str, Any]) -> dict[str, Any]:
     if len(value) > MOST_CONTROLLERS:
         raise ValueError(f"are {len(value)}; one comparison has at most {MOST_CONTROLLERS} controllers")
@@ -249,6 +262,7 @@ class ExperimentTables(TomlTable):
         description="seed of everything random: noise and scatter of a trial follow from it and the trial's number",
     )
     plant: PlantTable = Field(default_factory=PlantTable, description="the simulated world")
+    ensemble: EnsembleTable = Field(default_factory=EnsembleTable, description="how sure a figure is")
     metrics: MetricsTable = Field(default_factory=MetricsTable, description="settings of the metrics")
     reference: dict[str, Any] = Field(description="the motion to follow: kind, and the parameters of that kind")
     defaults: dict[str, Any] = Field(default={}, description="parameters shared by the controllers")

@@ -119,7 +119,8 @@ def load_result(path: str | Path, *, largest: float = LARGEST) -> Result:
                 check_digest(files[name], provenance, largest)
         dataset = read_arrays(files[TRAJECTORIES], largest)
         schema.check_trajectories(files[TRAJECTORIES], dataset, experiment)
-        rows = len(dataset.controller) * dataset.sizes["trial"] * dataset.sizes["joint"]
+        trials = max(dataset.sizes["trial"], experiment.ensemble.trials)
+        rows = len(dataset.controller) * trials * dataset.sizes["joint"]
         summary = read_rows(files[SUMMARY], rows)
         schema.check_summary(files[SUMMARY], summary, dataset)
         claims = monitors = None
