@@ -103,6 +103,11 @@ class Experiment(Shown, ExperimentTables):
         """Where relative paths and laws of one's own are looked for."""
         return self._folder
 
+    @property
+    def origin(self) -> str:
+        """What errors call it."""
+        return self._origin
+
     def replace(self, **changes: Any) -> Self:
         """The experiment with other values for keys at the top of the file, checked anew.
 
@@ -230,6 +235,12 @@ class Experiment(Shown, ExperimentTables):
         experiment_checks.fail(problems, self._origin)
         return made
 
+    def plant_options(self) -> dict[str, Any]:
+        """What ``[plant]`` gives to the plant, as keywords of `asmc_pin.Plant`; where it starts is not among them."""
+        elsewhere = {"q0", "v0", *TABLES, *LISTS}
+        options = self.plant.model_dump(exclude=elsewhere, exclude_unset=True, exclude_none=True)
+        return options | plant_parts(self._data.get("plant"))[0]
+
     def build_plant(self) -> Plant:
         """The simulated arm.
 
@@ -241,9 +252,7 @@ class Experiment(Shown, ExperimentTables):
         if self.plant.q0 is not None:
             q0 = np.broadcast_to(self.plant.q0, (arm.nv,))
             experiment_checks.fail(experiment_checks.angle_problems("plant.q0", arm, q0), self._origin)
-        elsewhere = {"q0", "v0", *TABLES, *LISTS}
-        options = self.plant.model_dump(exclude=elsewhere, exclude_unset=True, exclude_none=True)
-        options |= plant_parts(self._data.get("plant"))[0]
+        options = self.plant_options()
         try:
             return Plant(arm, seed=self.seed, **options)
         except ParameterError as error:
