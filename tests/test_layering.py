@@ -39,6 +39,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "lazy": set(),
     "clock": set(),
     "registering": set(),
+    "statistics": set(),
     "words": set(),
     "disk": set(),
     "parameters": set(),
@@ -62,6 +63,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "agreement": {"arms", "controllers", "plant", "engine"},
     "metrics": {"engine"},
     "tool_error": {"arms", "engine"},
+    "tool_path": {"arms", "engine"},
     "monitors": {"arms", "controllers", "condition", "plant", "engine", "rigid_body"},
     "experiment": {
         "arms",
@@ -73,7 +75,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "metrics",
         "parameters",
     },
-    "results": {"arms", "references", "plant", "engine", "metrics", "monitors", "experiment"},
+    "results": {"arms", "references", "plant", "engine", "metrics", "monitors", "experiment", "statistics"},
     "viewer": {"arms", "metrics", "experiment", "results"},
     "pages": {
         "arms",
@@ -86,6 +88,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "experiment",
         "results",
         "viewer",
+        "statistics",
     },
 }
 EVERYTHING = {*MAY_IMPORT, "package"}

@@ -265,4 +265,5 @@ class Experiment(Shown, ExperimentTables):
             cutoff_hz=self.metrics.cutoff_hz,
             settling_band=np.asarray(self.metrics.settling_band),
             effort_limit=np.asarray(self.build_plant().effort_limit),
+            torque_rate_limit=np.asarray(self.metrics.torque_rate_limit),
         )

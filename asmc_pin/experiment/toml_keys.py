@@ -182,6 +182,10 @@ class MetricsTable(TomlTable):
     settling_band: PositivePerJoint = Field(
         default=0.002, description="band of |e| in which a joint counts as settled, rad (m)"
     )
+    torque_rate_limit: LimitPerJoint = Field(
+        default=1000.0,
+        description="how fast a robot lets its torque change, N·m/s (N/s), inf for no limit; ticks beyond are counted",
+    )
     tool: str | None = Field(
         default=None, description="link or frame whose error is given in mm and rad; none if omitted"
     )
