@@ -254,7 +254,7 @@ class Experiment(Shown, ExperimentTables):
             experiment_checks.fail(experiment_checks.angle_problems("plant.q0", arm, q0), self._origin)
         options = self.plant_options()
         try:
-            return Plant(arm, seed=self.seed, **options)
+            return Plant(arm, seed=self.seed, first_trial=self.trial, **options)
         except ParameterError as error:
             text = str(error).removeprefix(f"{error.parameter}: ")
             raise ExperimentError(f"plant.{error.parameter}", text) from error

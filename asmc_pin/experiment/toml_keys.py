@@ -253,6 +253,9 @@ class ExperimentTables(TomlTable):
         ge=0,
         description="seed of everything random: noise and scatter of a trial follow from it and the trial's number",
     )
+    trial: int = Field(
+        default=0, ge=0, description="number of the trial that is run: with the seed it decides noise and scatter"
+    )
     plant: PlantTable = Field(default_factory=PlantTable, description="the simulated world")
     metrics: MetricsTable = Field(default_factory=MetricsTable, description="settings of the metrics")
     reference: dict[str, Any] = Field(description="the motion to follow: kind, and the parameters of that kind")

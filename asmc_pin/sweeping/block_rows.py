@@ -49,9 +49,9 @@ class BlockRows:
             jobs.append(TrialTables(trial, variation.place_of(trial)[1], variation.tables(drawn)))
         scanned = [variation.scan_at(variation.place_of(job.trial)[0]) for job in jobs]
         ends: dict[tuple[int, str], ScanEnd] = {}
-        for axis in variation.scans:
-            here = [i for i, each in enumerate(scanned) if each is axis]
-            found = scan_ends(self._runs, axis, [jobs[i] for i in here], labels)
+        for scan in variation.scans:
+            here = [i for i, each in enumerate(scanned) if each is scan]
+            found = scan_ends(self._runs, scan, [jobs[i] for i in here], labels)
             ends |= {(here[k], label): end for (k, label), end in found.items()}
         plain = [i for i, each in enumerate(scanned) if each is None]
         outcomes: dict[tuple[int, str], Outcome] = {

@@ -93,9 +93,7 @@ def _at(
     found: dict[tuple[int, str], Outcome] = {}
     for label in dict.fromkeys(label for _, label in values):
         members = [(i, value) for (i, other), value in values.items() if other == label]
-        placed = [
-            TrialTables(jobs[i].trial, jobs[i].draw, axis.placed(jobs[i].tables, value)) for i, value in members
-        ]
+        placed = [TrialTables(jobs[i].trial, jobs[i].draw, axis.placed(jobs[i].tables, value)) for i, value in members]
         for (k, _), outcome in runs(placed, [label]).items():
             found[members[k][0], label] = outcome
     return found

@@ -151,10 +151,10 @@ class Lockstep:
                 made[key] = laws
         found = {label: [made[key][label] for key in keys] for label in base.controllers}
         arms = self.plant.arms
-        for label, laws in found.items():
-            if knows_model(laws[0]):
+        for label, given in found.items():
+            if knows_model(given[0]):
                 known: dict[tuple[int, int], Any] = {}
-                for i, law in enumerate(laws):
+                for i, law in enumerate(given):
                     arm = arms[i % len(arms)]
                     if (id(law), id(arm)) not in known:
                         known[id(law), id(arm)] = law.with_arm(arm)  # type: ignore[attr-defined]
@@ -234,10 +234,10 @@ def _with_s(run: Rollout, laws: Sequence[Any]) -> Rollout:
 def _joined(runs: Sequence[Rollout]) -> Rollout:
     """Runs of single trials as one run."""
     first = runs[0]
-    stacked = {
+    stacked: dict[str, Any] = {
         name: np.concatenate([getattr(run, name) for run in runs])
         for name, value in vars(first).items()
-        if isinstance(value, np.ndarray) and value.ndim == 3 or name in ("end_time", "held_torque")
+        if (isinstance(value, np.ndarray) and value.ndim == 3) or name in ("end_time", "held_torque")
     }
     status = tuple(word for run in runs for word in run.status)
     return replace(first, **stacked, status=status, limit_violations=())

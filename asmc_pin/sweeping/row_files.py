@@ -1,4 +1,4 @@
-"""The rows of a sweep on disk: one shard a block, each written whole; and all of them in one file when it is complete."""
+"""The rows of a sweep on disk: one shard a block, each written whole; all of them in one file when it is complete."""
 
 from __future__ import annotations
 

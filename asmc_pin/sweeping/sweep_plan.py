@@ -72,9 +72,7 @@ class SweepPlan:
     @property
     def blocks(self) -> list[range]:
         """Trials of each block."""
-        return [
-            range(start, min(start + self.block, self.trials)) for start in range(0, self.trials, int(self.block))
-        ]
+        return [range(start, min(start + self.block, self.trials)) for start in range(0, self.trials, int(self.block))]
 
     @property
     def schema(self) -> pa.Schema:
@@ -98,4 +96,3 @@ def sweep_plan(experiment: Experiment, draws: int, block: int | None, key: str) 
     plan = SweepPlan(tables, experiment.folder, draws, BLOCK if block is None else block, key)
     plan.__dict__["experiment"] = experiment  # made already
     return plan
-

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from datetime import UTC, datetime
 from pathlib import Path
 
 from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import ParameterError, ResultError
 from asmc_pin.experiment import Experiment
 from asmc_pin.results import result_folder
-from asmc_pin.sweeping.row_files import missing_blocks, shards_there, write_rows, write_shard
+from asmc_pin.sweeping.row_files import missing_blocks, shards_there, write_shard
+from asmc_pin.sweeping.sweep_files import write_findings
 from asmc_pin.sweeping.sweep_key import sweep_key
 from asmc_pin.sweeping.sweep_plan import SweepPlan, sweep_plan
 from asmc_pin.sweeping.sweep_result import Sweep
@@ -59,15 +61,15 @@ def sweep(
     write_whole(folder / result_folder.EXPERIMENT, experiment.to_toml())
     todo = missing_blocks(plan, folder)
     left = sum(map(len, todo))
-    began, done = time.monotonic(), 0
+    started, began, done = datetime.now(UTC), time.monotonic(), 0
     tell(_how_far(plan, left, 0, 0.0), 1.0 - left / plan.trials)
     for finished, content in block_results(plan, todo, workers or cores()):
         write_shard(folder, finished, content)
         done += len(finished)
         tell(_how_far(plan, left, done, time.monotonic() - began), 1.0 - (left - done) / plan.trials)
-    for _ in write_rows(plan, folder):
-        pass
-    return Sweep(experiment, folder, plan.trials)
+    tell("writing", 1.0)
+    findings = write_findings(plan, folder, started, time.monotonic() - began)
+    return Sweep(folder, plan.trials, findings)
 
 
 def _how_far(plan: SweepPlan, left: int, done: int, seconds: float) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections import OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -122,13 +122,9 @@ class TrialRuns:
 
 
 def _settings(batch: Lockstep) -> MetricSettings:
-    base = batch.base
-    limit = np.asarray(batch.plant.effort_limit)
-    return MetricSettings(
-        cutoff_hz=base.metrics.cutoff_hz,
-        settling_band=np.asarray(base.metrics.settling_band),
-        effort_limit=limit[:, None, :] if limit.ndim == 2 else limit,
-    )
+    """What the metrics are told, with the torque limits of each trial."""
+    settings, limit = batch.base.metric_settings(), np.asarray(batch.plant.effort_limit)
+    return replace(settings, effort_limit=limit[:, None, :]) if limit.ndim == 2 else settings
 
 
 def _outcomes(batch: Lockstep, label: str, settings: MetricSettings) -> list[Outcome]:

@@ -19,6 +19,8 @@ _WITH_DRAW, _WITH_VALUES, _WITH_SCAN = ("at_least", "at_most", "each"), ("with",
 _NOT_VARIED = {
     "name": "names the results",
     "seed": "decides all that is random, and every trial has its own from it",
+    "trial": "is the number of a trial, and a sweep counts its own",
+    "ensemble": "is about the last digits of one run",
     "sweep": "says what varies",
 }
 
