@@ -43,7 +43,7 @@ def key_of(path: Path) -> str | None:
     """The key in a file of rows; None where it is damaged or has none."""
     try:
         found = (pq.read_schema(path).metadata or {}).get(KEY)
-    except (OSError, pa.ArrowException):
+    except (OSError, ValueError, pa.ArrowException):
         return None
     return None if found is None else found.decode("ascii", "replace")
 
@@ -68,7 +68,7 @@ def read_shards(plan: SweepPlan, folder: Path) -> Iterator[pa.Table]:
         path = shard_path(folder, block)
         try:
             table = pq.read_table(path, page_checksum_verification=True, use_threads=False)
-        except (OSError, pa.ArrowException) as error:
+        except (OSError, ValueError, pa.ArrowException) as error:
             path.unlink(missing_ok=True)
             raise ResultError(
                 path, f"{path} is damaged ({error}), and was removed; start again, and it is computed anew"

@@ -124,7 +124,7 @@ class TrialRuns:
 def _settings(batch: Lockstep) -> MetricSettings:
     """What the metrics are told, with the torque limits of each trial."""
     settings, limit = batch.base.metric_settings(), np.asarray(batch.plant.effort_limit)
-    return replace(settings, effort_limit=limit[:, None, :]) if limit.ndim == 2 else settings
+    return replace(settings, effort_limit=limit[:, None, :] if limit.ndim == 2 else limit)
 
 
 def _outcomes(batch: Lockstep, label: str, settings: MetricSettings) -> list[Outcome]:

@@ -9,6 +9,7 @@ import typer
 from asmc_pin.cli.app import STUDIES, app
 from asmc_pin.cli.commands.study_commands import ExperimentArgument, print_comparison, warn
 from asmc_pin.cli.console import announce_compiling, print_json, progress_bar, say
+from asmc_pin.cli.interrupt import stopping_short
 from asmc_pin.cli.options import JsonOption
 
 
@@ -51,8 +52,14 @@ def sweep(
         return
     from asmc_pin.sweeping import sweep as run
 
-    with progress_bar(lines_every=10.0, of="of the trials") as progress:
-        found = run(loaded, trials, out, workers=workers, force=force, progress=progress)
+    # Workers are told to end, which takes an exception; what they have handed over is on the disk already.
+    with progress_bar(lines_every=10.0, of="of the trials") as progress, stopping_short() as go_on:
+
+        def tell(what: str, share: float) -> None:
+            go_on()
+            progress(what, share)
+
+        found = run(loaded, trials, out, workers=workers, force=force, progress=tell)
     if as_json:
         print_json(found.to_json_dict())
     else:
