@@ -124,6 +124,8 @@ if TYPE_CHECKING:
     from asmc_pin.study.refinement import Refinement as Refinement
     from asmc_pin.study.run_monitors import Theorems as Theorems
     from asmc_pin.study.viewing import view as view
+    from asmc_pin.sweeping import Sweep as Sweep
+    from asmc_pin.sweeping import sweep as sweep
     from asmc_pin.tool_error import ToolError as ToolError
 
 __getattr__, __dir__, __all__ = load_on_first_use(__name__)

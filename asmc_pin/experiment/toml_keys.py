@@ -222,6 +222,29 @@ class EnsembleTable(TomlTable):
     )
 
 
+_NUMBER = {"type": "number"}
+_CENTRE_AND_WIDTH = {"anyOf": [_NUMBER, {"type": "array", "items": _NUMBER, "minItems": 1, "maxItems": 2}]}
+_TWO = {"type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2}
+_BOUNDS = {"at_least": _NUMBER, "at_most": _NUMBER, "each": {"type": "boolean"}}
+
+
+def _varies(way: str, told: dict[str, Any], beside: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "object", "properties": {way: told, **beside}, "required": [way], "additionalProperties": False}
+
+
+_WAYS: list[dict[str, Any]] = [
+    _varies("uniform", _TWO, _BOUNDS),
+    _varies("normal", _CENTRE_AND_WIDTH, _BOUNDS),
+    _varies("lognormal", _CENTRE_AND_WIDTH, _BOUNDS),
+    _varies("values", {"type": "array", "minItems": 1}, {"with": {"type": "string"}}),
+    _varies("scan", _TWO, {"until": {"type": "object", "additionalProperties": _NUMBER}}),
+]
+SWEEP_SCHEMA = {
+    "type": "object",
+    "additionalProperties": {"anyOf": [*_WAYS, _varies("factor", {"anyOf": _WAYS}, {})]},
+}
+
+
 def _printable(value: dict[str, Any]) -> dict[str, Any]:
     if len(value) > MOST_CONTROLLERS:
         raise ValueError(f"are {len(value)}; one comparison has at most {MOST_CONTROLLERS} controllers")
@@ -261,10 +284,16 @@ class ExperimentTables(TomlTable):
         ge=0,
         description="seed of everything random: noise and scatter of a trial follow from it and the trial's number",
     )
+    trial: int = Field(
+        default=0, ge=0, description="number of the trial that is run: with the seed it decides noise and scatter"
+    )
     plant: PlantTable = Field(default_factory=PlantTable, description="the simulated world")
     ensemble: EnsembleTable = Field(default_factory=EnsembleTable, description="how sure a figure is")
     metrics: MetricsTable = Field(default_factory=MetricsTable, description="settings of the metrics")
     reference: dict[str, Any] = Field(description="the motion to follow: kind, and the parameters of that kind")
+    sweep: Annotated[dict[str, Any], WithJsonSchema(SWEEP_SCHEMA)] = Field(
+        default={}, description="what varies from trial to trial in a sweep, by the path of its key: see docs/sweeps.md"
+    )
     defaults: dict[str, Any] = Field(default={}, description="parameters shared by the controllers")
     controllers: Annotated[dict[str, dict[str, Any]], AfterValidator(_printable)] = Field(
         min_length=1, description="[controllers.LABEL]: law, and its parameters"

@@ -63,7 +63,7 @@ def provenance(
         "seconds": {label: round(value, 3) for label, value in seconds.items()},
         "python": sys.version.split()[0],
         "platform": platform.platform(),
-        "packages": {name: _version(name) for name in PACKAGES},
+        "packages": {name: package_version(name) for name in PACKAGES},
         "files": {
             path.relative_to(folder).as_posix(): _digest(path.read_bytes())
             for path in sorted(folder.rglob("*"))
@@ -99,7 +99,8 @@ def _home() -> Path:
         return Path()
 
 
-def _version(package: str) -> str | None:
+def package_version(package: str) -> str | None:
+    """Version of a package as it is installed; None where it is not."""
     try:
         return version(package)
     except PackageNotFoundError:
