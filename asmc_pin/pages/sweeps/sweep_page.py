@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 
 from asmc_pin.pages.html_fragments import details, table_html
 from asmc_pin.pages.plates import Plate, framed
-from asmc_pin.pages.summary_tables import Table, markdown_table
 from asmc_pin.pages.sweeps.sweep_findings import SweepFindings
 from asmc_pin.pages.sweeps.sweep_tables import (
     HOW_COMPARED,
@@ -19,6 +18,7 @@ from asmc_pin.pages.sweeps.sweep_tables import (
     shown_points,
     verdict_lines,
 )
+from asmc_pin.pages.tables.text_table import Table, markdown_table
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.words.media import for_html, for_markdown
 
