@@ -84,7 +84,7 @@ if TYPE_CHECKING:
     from asmc_pin.metrics import Metric as Metric
     from asmc_pin.metrics import MetricSettings as MetricSettings
     from asmc_pin.metrics import evaluate as evaluate
-    from asmc_pin.pages.summary_tables import Table as Table
+    from asmc_pin.pages.tables.text_table import Table as Table
     from asmc_pin.parameters import AsGiven as AsGiven
     from asmc_pin.parameters import OptionalPerJoint as OptionalPerJoint
     from asmc_pin.parameters import PerTrial as PerTrial
@@ -128,6 +128,8 @@ if TYPE_CHECKING:
     from asmc_pin.study.refinement import Refinement as Refinement
     from asmc_pin.study.run_monitors import Theorems as Theorems
     from asmc_pin.study.viewing import view as view
+    from asmc_pin.sweeping import Sweep as Sweep
+    from asmc_pin.sweeping import sweep as sweep
     from asmc_pin.tool_error import ToolError as ToolError
     from asmc_pin.words.provisos import Proviso as Proviso
 

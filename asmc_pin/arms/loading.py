@@ -25,11 +25,23 @@ from asmc_pin.arms.arm_options import (
     resolve_locks,
 )
 from asmc_pin.arms.joint_choice import longest_chain, named_locks
+from asmc_pin.arms.mimicking import Followed, settle_mimics
 from asmc_pin.arms.moving_bodies import MovingBody, check_bodies, moving_bodies
-from asmc_pin.arms.pinocchio_model import bare_model, carry, check_mass_matrix, last_link, set_limits, whole_model
+from asmc_pin.arms.pinocchio_model import (
+    bare_model,
+    carry,
+    check_against_mujoco,
+    check_mass_matrix,
+    last_link,
+    loads_in_vain,
+    set_limits,
+    whole_model,
+)
 from asmc_pin.arms.pinocchio_tree import tree_of
-from asmc_pin.arms.registry import ArmEntry, find, package_dirs
+from asmc_pin.arms.reading_options import Packages, Reading, XacroArguments, read_packages, read_xacro
+from asmc_pin.arms.registry import ArmEntry, find, package_shares
 from asmc_pin.arms.repairing import repaired
+from asmc_pin.arms.robot_files import RobotFiles
 from asmc_pin.arms.urdf.magnitudes import MOVING_JOINTS
 from asmc_pin.arms.urdf.urdf_document import read_document
 from asmc_pin.arms.urdf.urdf_reading import Joint, Robot, read_robot
@@ -48,13 +60,16 @@ def load_arm(
     gravity: Gravity | None = None,
     repair: bool = False,
     chain: ChainEnds | None = None,
+    xacro: XacroArguments | None = None,
+    package: Packages | None = None,
 ) -> Arm:
     """Load an arm.
 
     Args:
-        source: Name of a known arm (`arm_names`), or path of a URDF. Meshes are not needed.
-        payload: What it carries: a mass in kg, as a point at the frame of the last moving link; or a `Payload`, or a
-            mapping with its fields, with centre, inertia and link.
+        source: Name of a known arm (`arm_names`), or of one of robot_descriptions where that is installed; or path of a
+            URDF or a xacro file. Meshes are not needed.
+        payload: What it carries: a mass in kg, as a point at the frame of the last moving link; a text ``2@tool0``, as
+            a point at that link's frame; or a `Payload`, or a mapping with its fields, with centre, inertia and link.
         armature: Reflected rotor inertia (rotor inertia times gear ratio squared), kg·m² (kg where prismatic), on the
             diagonal of M: one value, one per joint, or joint to value. Takes the place of what the arm's entry has.
         lock: Joint to value, rad (m): the joint is rigid there. A pattern such as ``left_*`` stands for all joints that
@@ -66,6 +81,8 @@ def load_arm(
             says which, and by how much; `Arm.urdf_text` is the repaired URDF.
         chain: Links (base, tip): only joints between them move; the others are locked where they are nearest to zero,
             unless `lock` says otherwise.
+        xacro: Values of a xacro file's arguments.
+        package: ROS package to the folder where it lies, for a xacro file's ``$(find …)`` and for meshes.
 
     Returns:
         The arm. `Arm.warnings` says what was taken otherwise than written.
@@ -74,14 +91,21 @@ def load_arm(
         ArmError: Unknown name, or a URDF at fault.
         ParameterError: An option at fault.
     """
-    options = {"payload": payload, "armature": armature, "lock": lock, "gravity": gravity}
-    return assemble(recipe_of(source, **options, repair=repair, chain=chain))
+    options = {"payload": payload, "armature": armature, "lock": lock, "gravity": gravity, "repair": repair}
+    return assemble(recipe_of(source, xacro, package, chain=chain, **options))
 
 
-def recipe_of(source: str | Path, **options: Any) -> Recipe:
+def recipe_of(
+    source: str | Path, xacro: XacroArguments | None = None, package: Packages | None = None, **options: Any
+) -> Recipe:
     """What `load_arm` makes an arm of, read and not judged; arguments as there."""
     path, entry = find(source)
-    return Recipe(read_robot(read_document(path)), entry, read_variant(**options))
+    variant = read_variant(**options)
+    files = RobotFiles(path.resolve().parent, read_packages(package), package_shares())
+    arguments = {**(entry.xacro if entry else {}), **read_xacro(xacro)}
+    robot = read_robot(read_document(path, Reading(files, arguments)))
+    check_against_mujoco(robot)
+    return Recipe(robot, files, entry, variant)
 
 
 @dataclass(frozen=True)
@@ -90,11 +114,13 @@ class Recipe:
 
     Attributes:
         robot: The checked URDF.
+        files: Where its packages and meshes are looked for.
         entry: The registry's entry, where the arm was asked for by name.
         variant: The options.
     """
 
     robot: Robot
+    files: RobotFiles
     entry: ArmEntry | None
     variant: Variant
 
@@ -116,14 +142,14 @@ class Unjudged:
         model: Pinocchio's, locked joints merged; neither armature nor payload in it.
         bodies: What moves, one a joint.
         locked: Joints that were locked, and where.
-        asked: Locks as they were asked for, joint by joint.
+        followed: What follows what, with the limits and friction that this leaves.
     """
 
     robot: Robot
     model: pin.Model
     bodies: list[MovingBody]
     locked: dict[str, float]
-    asked: Lock
+    followed: Followed
 
 
 def put_together(recipe: Recipe) -> Unjudged:
@@ -141,7 +167,8 @@ def put_together(recipe: Recipe) -> Unjudged:
         robot = repaired(robot, whole, locked)
         whole = whole_model(robot)
     model = bare_model(robot, whole, locked)
-    return Unjudged(robot, model, moving_bodies(robot, model), locked, asked)
+    bodies = moving_bodies(robot, model)
+    return Unjudged(robot, model, bodies, locked, settle_mimics(robot, [body.joint for body in bodies], asked))
 
 
 def assemble(recipe: Recipe) -> Arm:
@@ -158,11 +185,11 @@ def assemble(recipe: Recipe) -> Arm:
         ParameterError: An option at fault.
     """
     parts = put_together(recipe)
-    robot, model, bodies, locked = parts.robot, parts.model, parts.bodies, parts.locked
+    robot, model, bodies, locked, followed = parts.robot, parts.model, parts.bodies, parts.locked, parts.followed
     entry, variant = recipe.entry, recipe.variant
     joints = [body.joint for body in bodies]
-    names = tuple(joint.name for joint in joints)
-    _check_mimics(robot, joints, parts.asked)
+    driven, coupling = followed.driven, followed.coupling
+    names = tuple(joint.name for joint in driven)
     if len(joints) > MOVING_JOINTS:
         raise ArmError(
             robot.path,
@@ -170,39 +197,45 @@ def assemble(recipe: Recipe) -> Arm:
             f"Keep one arm of it, {chain_words(*longest_chain(robot))}, or lock some, by name or pattern: "
             f"{lock_words({'left_*': 0.0})}",
         )
-    check_bodies(robot, bodies)
-    model.armature = resolve_armature(names, entry.armature if entry else {}, variant.armature)
-    model.gravity.linear = np.array(GRAVITY) if variant.gravity is None else variant.gravity
+    check_bodies(robot, bodies, coupling)
+    every = (*names, *followed.mimics)
+    rotors = resolve_armature(names, _own_armature(recipe), variant.armature, tuple(followed.mimics))
+    model.armature = rotors[[every.index(joint.name) for joint in joints]]
+    own = robot.mjcf.gravity if robot.mjcf is not None else GRAVITY
+    model.gravity.linear = np.array(own) if variant.gravity is None else variant.gravity
     set_limits(model, joints)
-    payload = variant.payload
+    payload, vain = variant.payload, []
     if payload is not None:
         payload = replace(payload, link=payload.link or last_link(robot, model))
+        vain = loads_in_vain(robot, model, coupling, payload)
         carry(robot, model, payload)
-    check_mass_matrix(robot, model)
+    check_mass_matrix(robot, model, coupling)
+    tree = tree_of(model, coupling)
     return Arm(
-        name=entry.name if entry else printable(robot.path.stem),
+        name=entry.name if entry else printable(robot.name),
         joint_names=names,
-        joint_kinds=tuple(joint.kind for joint in joints),
-        continuous=_frozen([joint.continuous for joint in joints], np.bool_),
-        lower=_frozen([joint.lower for joint in joints]),
-        upper=_frozen([joint.upper for joint in joints]),
-        effort_limit=_frozen([joint.effort for joint in joints]),
-        velocity_limit=_frozen([joint.velocity for joint in joints]),
-        friction=_frozen([joint.friction for joint in joints]),
-        damping=_frozen([joint.damping for joint in joints]),
-        armature=_frozen(model.armature),
+        joint_kinds=tuple(joint.kind for joint in driven),
+        continuous=_frozen([joint.continuous for joint in driven], np.bool_),
+        lower=_frozen([joint.lower for joint in driven]),
+        upper=_frozen([joint.upper for joint in driven]),
+        effort_limit=_frozen([joint.effort for joint in driven]),
+        velocity_limit=_frozen([joint.velocity for joint in driven]),
+        friction=_frozen([joint.friction for joint in driven]),
+        damping=_frozen([joint.damping for joint in driven]),
+        armature=tree.armature,
         gravity_vector=_frozen(model.gravity.linear),
         link_names=tuple(frame.name for frame in model.frames if frame.type == pin.FrameType.BODY),
         locked=MappingProxyType(locked),
+        mimics=MappingProxyType(dict(followed.mimics)),
         payload=payload,
-        warnings=tuple(_warnings(robot, joints, bodies, locked)),
+        warnings=(*_warnings(robot, driven, bodies, locked), *followed.notes, *vain),
         provisos=robot.provisos,
         source=robot.path,
         sha256=robot.sha256,
         urdf_text=robot.text,
-        package_dirs=package_dirs(robot.path),
+        files=recipe.files,
         model=model,
-        tree=tree_of(model),
+        tree=tree,
         made_of=recipe,
     )
 
@@ -223,9 +256,17 @@ def vary(arm: Arm, changes: Mapping[str, Any]) -> Arm:
     new = replace(replace(variant, payload=arm.payload), **{name: getattr(asked, name) for name in changes})
     if "lock" in changes and "armature" not in changes and variant.armature is not None:
         held = resolve_locks(robot, entry.locks if entry else {}, _asked_locks(robot, entry, new))
-        kept = zip(arm.joint_names, arm.armature.tolist(), strict=True)
-        new = replace(new, armature={name: value for name, value in kept if name not in held})
-    return assemble(Recipe(robot, entry, new))
+        asked_for = variant.armature
+        kept = asked_for if isinstance(asked_for, dict) else dict(zip(arm.joint_names, arm.armature, strict=True))
+        new = replace(new, armature={name: float(value) for name, value in kept.items() if name not in held})
+    return assemble(Recipe(robot, arm.files, entry, new))
+
+
+def _own_armature(recipe: Recipe) -> Mapping[str, float]:
+    """What the file or the registry's entry says; a URDF has no place for it."""
+    if recipe.robot.mjcf is not None:
+        return recipe.robot.mjcf.armature
+    return recipe.entry.armature if recipe.entry else {}
 
 
 def _asked_locks(robot: Robot, entry: ArmEntry | None, variant: Variant) -> Lock:
@@ -236,18 +277,6 @@ def _frozen(values: Any, dtype: Any = np.float64) -> Any:
     array = np.array(values, dtype=dtype)
     array.setflags(write=False)
     return array
-
-
-def _check_mimics(robot: Robot, joints: Sequence[Joint], lock: Lock) -> None:
-    for joint in joints:
-        if joint.mimic is not None and joint.name not in lock:
-            master = joint.mimic.joint
-            raise ArmError(
-                robot.path,
-                f"{joint.where}: it mimics joint '{master}', and coupled joints are not supported. Lock '{master}' and "
-                f"'{joint.name}' follows: {lock_words({master: 0.0})}. To treat them as two motors, free it: "
-                f"{lock_words({joint.name: 'free'})}",
-            )
 
 
 def _warnings(
@@ -285,6 +314,7 @@ def _warnings(
             warnings.append(
                 f"joint '{name}' is locked at {value:g}, outside its limits {joint.lower:g} … {joint.upper:g}"
             )
-        if joint.mimic is not None and joint.mimic.joint not in locked:
+        follows = joint.mimic is not None and joint.mimic.multiplier != 0.0
+        if joint.mimic is not None and follows and joint.mimic.joint not in (*locked, *robot.fixed):
             warnings.append(f"joint '{name}' is locked although it mimics '{joint.mimic.joint}', which moves")
     return warnings

@@ -16,6 +16,7 @@ from asmc_pin.arms.urdf.rigid_inertia import TENSOR_REMEDY, LinkInertia, mass_pr
 from asmc_pin.arms.urdf.urdf_reading import JOINT_PREFIX, Joint, Robot
 from asmc_pin.disk.reading import shown
 from asmc_pin.errors import ArmError
+from asmc_pin.rigid_body.coupling import Coupling
 from asmc_pin.words.interface import flag_words
 
 
@@ -67,18 +68,19 @@ def moving_bodies(robot: Robot, model: pin.Model) -> list[MovingBody]:
     return found
 
 
-def body_problems(robot: Robot, body: MovingBody) -> list[str]:
+def body_problems(robot: Robot, body: MovingBody, led_mass: float) -> list[str]:
     """All that makes a body impossible, each with its place; a tensor's only where nothing is wrong with the numbers.
 
     Args:
         robot: The URDF.
         body: One of its bodies.
+        led_mass: kg, of all that follows the same coordinate: where a mimicking joint has some, others need none.
     """
     problems = number_problems(robot, body)
     if problems:
         return problems
     if not body.mass > 0.0:
-        return [_without_mass(body)]
+        return [] if led_mass > 0.0 else [_without_mass(body)]
     if not np.all(np.isfinite(body.inertia)):
         return [f"{body.joint.where}: what it carries has an inertia beyond all numbers; correct masses and origins"]
     return [_impossible(robot, body)] if tensor_problem(body.mass, body.inertia) else []
@@ -90,13 +92,20 @@ def number_problems(robot: Robot, body: MovingBody) -> list[str]:
     return [f"{place}: {problem}" for place, problem in found if problem]
 
 
-def check_bodies(robot: Robot, bodies: Sequence[MovingBody]) -> None:
+def check_bodies(robot: Robot, bodies: Sequence[MovingBody], coupling: Coupling) -> None:
     """Refuse bodies that cannot be, all in one message.
+
+    Args:
+        robot: The URDF.
+        bodies: What moves of it.
+        coupling: Which coordinate each of them follows.
 
     Raises:
         ArmError: Names the links or joints, their lines, what is wrong and how to mend it.
     """
-    problems = [problem for body in bodies for problem in body_problems(robot, body)]
+    masses = np.array([body.mass for body in bodies])
+    led = [float(masses[coupling.coordinate == coordinate].sum()) for coordinate in coupling.coordinate]
+    problems = [problem for body, mass in zip(bodies, led, strict=True) for problem in body_problems(robot, body, mass)]
     if not problems:
         return
     tensors = any(tensor_problem(body.mass, body.inertia) for body in bodies if np.all(np.isfinite(body.inertia)))

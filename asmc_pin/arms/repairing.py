@@ -7,21 +7,18 @@ on the angle at which a joint is locked, and all cases of a certificate have one
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
-from lxml import etree
 
 from asmc_pin._typing import Array
 from asmc_pin.arms.moving_bodies import impossible_link, moving_bodies, number_problems
 from asmc_pin.arms.urdf.repair_record import write_repair
 from asmc_pin.arms.urdf.rigid_inertia import nearest_inertia, tensor_problem
-from asmc_pin.arms.urdf.urdf_document import document_from
+from asmc_pin.arms.urdf.urdf_document import parsed_again
 from asmc_pin.arms.urdf.urdf_reading import Robot, read_robot
-from asmc_pin.arms.urdf.xml_encoding import without_declared_encoding
 
 
 def repaired(robot: Robot, model: pin.Model, locked: Collection[str]) -> Robot:
@@ -52,12 +49,10 @@ def repaired(robot: Robot, model: pin.Model, locked: Collection[str]) -> Robot:
         new[link] = own.written + turn.T @ (nearest_inertia(body.inertia) - body.inertia) @ turn
     if not new:
         return robot
-    document = document_from(robot.path, without_declared_encoding(robot.text).encode())
-    root = copy.deepcopy(document.root)
-    write_repair(root, robot.sha256, new)
-    text = document_from(robot.path, etree.tostring(root))
-    new_robot = read_robot(replace(text, provisos=robot.provisos))
+    document = parsed_again(robot.path, robot.text, robot.sha256, robot.provisos, robot.mjcf)
+    write_repair(document.root, robot.sha256, new)
+    new_robot = read_robot(document.rewritten())
     # The user has the file as it was before them: places in messages are in that one.
     joints = {name: replace(joint, where=robot.joints[name].where) for name, joint in new_robot.joints.items()}
     inertials = {name: replace(own, where=robot.inertials[name].where) for name, own in new_robot.inertials.items()}
-    return replace(new_robot, joints=joints, inertials=inertials)
+    return replace(new_robot, name=robot.name, joints=joints, inertials=inertials)

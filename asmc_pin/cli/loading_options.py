@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_type_hints
 import typer
 
 from asmc_pin.cli.console import announce_compiling, note
-from asmc_pin.cli.options import assignments, numbers, value_or_range
+from asmc_pin.cli.options import assignments, number, numbers, value_or_range
 from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -32,7 +32,23 @@ class LoadingOptions:
     payload: Annotated[
         str | None,
         typer.Option(
-            "--payload", metavar="KG|LO:HI", help="Point mass at the last moving link's frame, or a range of it."
+            "--payload",
+            metavar="KG|LO:HI[@LINK]",
+            help="Point mass at a link's frame, or a range of it; default the last moving link.",
+        ),
+    ] = None
+    payload_com: Annotated[
+        str | None,
+        typer.Option(
+            "--payload-com", metavar="X,Y,Z", help="The payload's centre of mass in its link, m; values or ranges."
+        ),
+    ] = None
+    payload_inertia: Annotated[
+        str | None,
+        typer.Option(
+            "--payload-inertia",
+            metavar="XX,XY,XZ,YY,YZ,ZZ",
+            help="The payload's inertia about its centre, kg·m²; of a range of masses that of the heaviest.",
         ),
     ] = None
     armature: Annotated[
@@ -66,6 +82,14 @@ class LoadingOptions:
         typer.Option(
             "--gravity", metavar="X,Y,Z", help="Gravity in the base frame, m/s²; 0,0,9.81 hangs it from a ceiling."
         ),
+    ] = None
+    xacro: Annotated[
+        list[str] | None,
+        typer.Option("--xacro", metavar="NAME=VALUE", help="An argument of a xacro file. Repeatable."),
+    ] = None
+    package: Annotated[
+        list[str] | None,
+        typer.Option("--package", metavar="NAME=DIR", help="Where a ROS package lies that is named. Repeatable."),
     ] = None
 
 
@@ -108,9 +132,27 @@ def takes_loading_options(*, without: tuple[str, ...] = ()) -> Callable[[Callabl
     return decorate
 
 
-def parse_payload(text: str | None) -> float | Range | None:
-    """``--payload`` as a mass or a range of masses, kg."""
-    return None if text is None else value_or_range(text, "--payload")
+def parse_payload(text: str | None, com: str | None = None, inertia: str | None = None) -> dict[str, Any] | None:
+    """``--payload``, ``--payload-com`` and ``--payload-inertia`` as a mapping, in which ranges are tuples."""
+    if text is None:
+        for option, given in (("--payload-com", com), ("--payload-inertia", inertia)):
+            if given is not None:
+                raise ParameterError(option, f"'{given}' given without a payload; add --payload KG[@LINK]")
+        return None
+    mass, at, link = text.partition("@")
+    if at and not link.strip():
+        raise ParameterError("--payload", f"'{text}' names no link after '@'; write it like 2@tool0")
+    payload: dict[str, Any] = {"mass": value_or_range(mass, "--payload")}
+    if at:
+        payload["link"] = link.strip()
+    for key, option, given, size in (("com", "--payload-com", com, 3), ("inertia", "--payload-inertia", inertia, 6)):
+        if given is None:
+            continue
+        parts = given.split(",")
+        if len(parts) != size:
+            raise ParameterError(option, f"'{given}' has {len(parts)} values, {size} expected")
+        payload[key] = [value_or_range(part, option) if size == 3 else number(part, option) for part in parts]
+    return payload
 
 
 def parse_armature(text: str | None) -> list[float | Range] | float | Range | None:
@@ -130,12 +172,16 @@ def load_keywords(loading: LoadingOptions) -> tuple[dict[str, Any], dict[str, An
     """
     single: dict[str, Any] = {}
     ranges: dict[str, Any] = {}
-    for name, value in (("payload", parse_payload(loading.payload)), ("armature", parse_armature(loading.armature))):
-        if value is not None:
-            spread = isinstance(value, tuple) or (isinstance(value, list) and any(isinstance(x, tuple) for x in value))
-            (ranges if spread else single)[name] = value
-    items = [f"{item}=0" if item.strip() == "grippers" else item for item in loading.lock or ()]
-    given = assignments(items, "--lock", "JOINT=ANGLE or JOINT=free")
+    load = parse_payload(loading.payload, loading.payload_com, loading.payload_inertia)
+    rotors = parse_armature(loading.armature)
+    if load is not None:
+        spread = any(isinstance(x, tuple) for x in (load["mass"], *load.get("com", ())))
+        (ranges if spread else single)["payload"] = load
+    if rotors is not None:
+        spread = any(isinstance(x, tuple) for x in (rotors if isinstance(rotors, list) else [rotors]))
+        (ranges if spread else single)["armature"] = rotors
+    asked = [f"{item}=0" if item.strip() == "grippers" else item for item in loading.lock or ()]
+    given = assignments(asked, "--lock", "JOINT=ANGLE or JOINT=free")
     locks = {joint: numbers(value, "--lock") for joint, value in given.items() if value != "free"}
     held: dict[str, Any] = {joint: angles[0] for joint, angles in locks.items()}
     held |= {joint: None for joint, value in given.items() if value == "free"}
@@ -153,6 +199,9 @@ def load_keywords(loading: LoadingOptions) -> tuple[dict[str, Any], dict[str, An
         single["repair"] = True
     if loading.gravity is not None:
         single["gravity"] = numbers(loading.gravity, "--gravity")
+    for name, items, form in (("xacro", loading.xacro, "NAME=VALUE"), ("package", loading.package, "NAME=DIR")):
+        if items:
+            single[name] = assignments(items, f"--{name}", form)
     return single, ranges
 
 
@@ -176,7 +225,15 @@ def open_domain(source: str, loading: LoadingOptions) -> tuple[Arm, dict[str, An
     arm = load_arm(source, **single)
     for proviso in arm.provisos:
         note(f"{proviso.kind}: {proviso.text}")
-    for warning in arm.warnings:
+    warnings = list(arm.warnings)
+    if "payload" in ranges:
+        from asmc_pin.condition.domain.payload_ranges import carrying
+
+        # What is said of every payload of the range.
+        laden = [other for other, _ in carrying(arm, ranges["payload"]) if other.payload and other.payload.mass > 0.0]
+        common = set.intersection(*(set(other.warnings) for other in laden)) if laden else set()
+        warnings += sorted(common - set(warnings))
+    for warning in warnings:
         note(f"warning: {warning}")
     tell_doubts(arm, source)
     return arm, ranges

@@ -16,7 +16,7 @@ from asmc_pin.words.choices import Condition
 from asmc_pin.words.text import as_number
 
 ArmArgument: TypeAlias = Annotated[
-    str, typer.Argument(metavar="ARM", help="A name (see 'asmc-pin arms') or a URDF path.")
+    str, typer.Argument(metavar="ARM", help="A name (see 'asmc-pin arms'), or the path of a URDF or xacro file.")
 ]
 MbarOption: TypeAlias = Annotated[
     str,

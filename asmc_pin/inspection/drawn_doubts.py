@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from asmc_pin._typing import Array
+from asmc_pin.arms.robot_files import RobotFiles
 from asmc_pin.inspection.subject_of_doubt import Doubt, SubjectOfDoubt, some
 from asmc_pin.viewer import link_shapes
 
@@ -16,15 +16,15 @@ _MARGIN = 0.05
 """Of the size of what is drawn: a centre this far outside of it is not doubted."""
 
 
-def drawn_doubts(subject: SubjectOfDoubt, package_dirs: Sequence[Path]) -> Iterator[Doubt]:
+def drawn_doubts(subject: SubjectOfDoubt, files: RobotFiles) -> Iterator[Doubt]:
     """Doubts about meshes and where the centres of mass are in them.
 
     Args:
         subject: The robot.
-        package_dirs: Where its packages may lie.
+        files: Where its meshes are looked for.
     """
     robot = subject.parts.robot
-    points, problems = link_shapes(robot.text, package_dirs, robot.path.parent)
+    points, problems = link_shapes(robot.text, files)
     missing = [name for name, texts in problems.items() if any("not found" in text for text in texts)]
     if missing:
         first = next(text for text in problems[missing[0]] if "not found" in text)

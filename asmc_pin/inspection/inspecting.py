@@ -11,9 +11,7 @@ from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
 from asmc_pin.arms.at_a_glance import axes_at_zero
 from asmc_pin.arms.loading import Recipe, Unjudged, assemble, put_together, recipe_of
-from asmc_pin.arms.registry import package_dirs
-from asmc_pin.arms.urdf.urdf_document import document_from
-from asmc_pin.arms.urdf.xml_encoding import without_declared_encoding
+from asmc_pin.arms.urdf.urdf_document import parsed_again
 from asmc_pin.errors import ArmError
 from asmc_pin.inspection.body_doubts import body_doubts
 from asmc_pin.inspection.drawn_doubts import drawn_doubts
@@ -45,12 +43,12 @@ def inspect(source: str | Path, **options: Any) -> Inspection:
         arm = assemble(recipe)
     except ArmError as error:
         refusal = str(error)
-    armature = None if arm is None else arm.armature
+    armature = None if arm is None else np.array(arm.model.armature)
     subject = subject_of(parts, armature)
-    doubts = [*quick_doubts(subject), *drawn_doubts(subject, package_dirs(parts.robot.path))]
+    doubts = [*quick_doubts(subject), *drawn_doubts(subject, recipe.files)]
     entry = recipe.entry
     return Inspection(
-        name=entry.name if entry else printable(parts.robot.path.stem),
+        name=entry.name if entry else printable(parts.robot.name),
         source=parts.robot.path,
         sha256=parts.robot.sha256,
         joints=_joints(parts, np.zeros(parts.model.nv) if armature is None else armature),
@@ -67,7 +65,7 @@ def inspect(source: str | Path, **options: Any) -> Inspection:
 def quick_doubts(subject: SubjectOfDoubt) -> list[Doubt]:
     """All doubts that need no mesh."""
     robot = subject.parts.robot
-    root = document_from(robot.path, without_declared_encoding(robot.text).encode()).root
+    root = parsed_again(robot.path, robot.text, robot.sha256, (), None).root
     of_bodies = list(body_doubts(subject, root))
     invented = {link for doubt in of_bodies if doubt.kind == "placeholder" for link in doubt.about}
     return [*unit_doubts(subject, root, invented), *of_bodies]
@@ -79,13 +77,14 @@ def serious_doubts(arm: Arm) -> list[Doubt]:
     Args:
         arm: The arm.
     """
-    recipe = Recipe(arm.made_of.robot, arm.made_of.entry, arm.made_of.variant)
-    return [doubt for doubt in quick_doubts(subject_of(put_together(recipe), arm.armature)) if doubt.serious]
+    recipe = Recipe(arm.made_of.robot, arm.files, arm.made_of.entry, arm.made_of.variant)
+    subject = subject_of(put_together(recipe), np.array(arm.model.armature))
+    return [doubt for doubt in quick_doubts(subject) if doubt.serious]
 
 
 def _joints(parts: Unjudged, armature: Array) -> list[InspectedJoint]:
     model, (axes, places) = parts.model, axes_at_zero(parts.model)
-    found = []
+    found, followed = [], parts.followed.mimics
     for index, body in enumerate(parts.bodies, start=1):
         joint = body.joint
         found.append(
@@ -93,6 +92,7 @@ def _joints(parts: Unjudged, armature: Array) -> list[InspectedJoint]:
                 name=joint.name,
                 hangs_on="" if model.parents[index] == 0 else parts.bodies[model.parents[index] - 1].joint.name,
                 kind="continuous" if joint.continuous else joint.kind,
+                follows=followed[joint.name].joint if joint.name in followed else "",
                 axis=axes[index - 1],
                 place=places[index - 1],
                 limits=(joint.lower, joint.upper, joint.effort, joint.velocity),

@@ -51,7 +51,7 @@ def _marks(arm: Arm) -> list[Mark]:
     reach = sum(float(np.linalg.norm(step)) for step in tree.translation) or 0.5
     size = reach / max(arm.nv, 1)
     marks = []
-    for k in range(arm.nv):
+    for k in range(tree.mass.size):
         moments, axes = np.linalg.eigh(tree.inertia[k])
         second = np.maximum(0.5 * moments.sum() - moments, 0.0)
         # A uniform ellipsoid has the second moments m a²/5.

@@ -26,6 +26,7 @@ class InspectedJoint:
         name: Its name.
         hangs_on: The moving joint that it hangs on; empty for the base.
         kind: ``revolute``, ``continuous`` or ``prismatic``.
+        follows: The joint that it mimics and follows; empty where it has a coordinate of its own.
         axis: In the base frame with all joints at zero, shape (3,).
         place: Of its frame in the base frame there, shape (3,), m.
         limits: Lower and upper limit, effort and velocity.
@@ -41,6 +42,7 @@ class InspectedJoint:
     name: str
     hangs_on: str
     kind: str
+    follows: str
     axis: Array
     place: Array
     limits: tuple[float, float, float, float]
@@ -67,6 +69,7 @@ class InspectedJoint:
             "joint": printable(self.name),
             "hangs_on": printable(self.hangs_on) or None,
             "kind": self.kind,
+            "follows": printable(self.follows) or None,
             "axis": self.axis.tolist(),
             "place": self.place.tolist(),
             **limits,
@@ -109,7 +112,7 @@ class Inspection(Shown):
 
     def lines(self) -> list[str]:
         """What it is, and whether other commands take it."""
-        count = len(self.joints)
+        count = sum(not joint.follows for joint in self.joints)
         mass = sum(joint.mass for joint in self.joints)
         said = [
             f"{quoted(self.name)}: {count} moving joint{'s' if count != 1 else ''}, {mass:.4g} kg move "
@@ -133,7 +136,7 @@ class Inspection(Shown):
                 [
                     printable(joint.name),
                     printable(joint.hangs_on) or "base",
-                    joint.kind,
+                    f"follows {printable(joint.follows)}" if joint.follows else joint.kind,
                     _axis(joint.axis),
                     span,
                     effort,

@@ -91,7 +91,6 @@ def test_the_repaired_text_is_the_same_arm_and_says_that_it_was_repaired(tmp_pat
     again = load_arm(write(tmp_path, arm.urdf_text, "again.urdf"))
     assert np.array_equal(again.mass_matrix(Q), arm.mass_matrix(Q))
     assert again.provisos == arm.provisos
-    assert again.sha256 == arm.sha256
 
 
 def test_mujoco_reads_the_repaired_text_the_same(tmp_path: Path) -> None:

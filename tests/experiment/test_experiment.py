@@ -184,6 +184,7 @@ def test_a_default_that_is_wrong_for_many_laws_is_reported_once():
         ("plant.effort_limit", [1.0, 1.0, 1.0], "build_plant"),
         ("plant.q0", [0.0], "build_plant"),
         ("metrics.settling_band", [0.1, 0.1, 0.1], "metric_settings"),
+        ("metrics.torque_rate_limit", [1e3, 1e3, 1e3], "metric_settings"),
     ],
 )
 def test_a_list_of_the_wrong_length_is_told_the_arms_joints(path, value, build):

@@ -147,6 +147,7 @@ KINDS: dict[str, Kind] = {
     "one joint": Kind(serial(1, axes=("0 1 0",)), nv=1),
     "boxes that fit": Kind(serial(visual=lambda k: box(f"0.1 0.1 {LENGTHS[k]}", f"0 0 {LENGTHS[k] / 2}"))),
     "gripper locked": Kind(gripping(), options={"lock": {"grippers": 0.0}}),
+    "gripper that mimics": Kind(gripping(MIMIC), nv=4),
     "gripper of two motors": Kind(gripping(), nv=5),
     "point masses": Kind(serial(tensor=lambda *_: np.zeros((3, 3)), axes=("0 1 0",) * 3)),
     "flat plates": Kind(serial(tensor=lambda _k, m, a: m * a**2 / 12.0 * np.diag([1.0, 1.0, 2.0]))),
@@ -233,5 +234,5 @@ KINDS: dict[str, Kind] = {
     ),
     "closed loop": Kind(serial(extra=[joint("strut", "base", "link3")]), refused="a closed loop", unreadable=True),
     "xacro": Kind(serial().replace("0 0 0.1", "0 0 ${height}"), refused="xacro", unreadable=True),
-    "MJCF": Kind("<mujoco><worldbody/></mujoco>", refused="MJCF", unreadable=True),
+    "SDF": Kind("<sdf version='1.7'/>", refused="SDF", unreadable=True),
 }

@@ -16,6 +16,7 @@ from lxml import etree
 
 from asmc_pin._typing import Array
 from asmc_pin.arms.urdf.magnitudes import FRICTION, LIMIT
+from asmc_pin.arms.urdf.mjcf_conversion import MjcfModel
 from asmc_pin.arms.urdf.repair_record import read_repair
 from asmc_pin.arms.urdf.rigid_inertia import LinkInertia
 from asmc_pin.arms.urdf.urdf_document import Document
@@ -78,8 +79,9 @@ class Robot:
 
     Attributes:
         path: The file.
-        text: The file as it stands.
-        sha256: Hex digest of its bytes.
+        name: What to call it: the file's stem, and of a file that stands for several robots what it came to.
+        text: See `Document`.
+        sha256: Hex digest of the file's bytes.
         joints: Joints that can move, by name.
         fixed: Names of the joints that cannot.
         links: Names of the links.
@@ -88,9 +90,11 @@ class Robot:
             `JOINT_PREFIX` before every joint's name.
         inertials: Masses and tensors as they are written, by link; links without are left out.
         provisos: See `Document`; and what was repaired of it, as the text itself says.
+        mjcf: See `Document`.
     """
 
     path: Path
+    name: str
     text: str
     sha256: str
     joints: Mapping[str, Joint]
@@ -100,6 +104,7 @@ class Robot:
     xml: str
     inertials: Mapping[str, LinkInertia]
     provisos: tuple[Proviso, ...]
+    mjcf: MjcfModel | None
 
 
 def _stripped(document: Document) -> Any:
@@ -235,6 +240,7 @@ def read_robot(document: Document) -> Robot:
     elements = {element.get("name"): element for element in document.root.findall("joint")}
     return Robot(
         path=document.path,
+        name=root.get("name") if document.expanded else document.path.stem,
         text=document.text,
         sha256=document.sha256,
         joints={j.name: _joint(document, j, elements[j.name]) for j in raw.joints if j.type in MOVING},
@@ -244,4 +250,5 @@ def read_robot(document: Document) -> Robot:
         xml=_pinocchio_xml(root),
         inertials=_inertials(document, raw.links),
         provisos=tuple(dict.fromkeys((*document.provisos, *read_repair(document)))),
+        mjcf=document.mjcf,
     )

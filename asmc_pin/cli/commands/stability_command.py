@@ -12,6 +12,7 @@ from asmc_pin.cli.commands.condition_commands import check_proof_options, report
 from asmc_pin.cli.console import note, print_json, say
 from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
 from asmc_pin.cli.loop_options import AccelerationOption, DelayOption, FilterOption, loop_proof_of
+from asmc_pin.cli.next_step import SENSED, again, say_next
 from asmc_pin.cli.options import (
     ArmArgument,
     BoxOption,
@@ -40,6 +41,7 @@ from asmc_pin.cli.sensor_options import (
 @app.command(rich_help_panel=MBAR)
 @takes_loading_options()
 def stability(
+    context: typer.Context,
     arm: ArmArgument,
     mbar: MbarOption,
     ks: Annotated[str, typer.Option(metavar="K1,K2,…", help="Diagonal of K_s, 1/s, or one value for all joints.")],
@@ -125,6 +127,14 @@ def stability(
     if as_json:
         print_json(found.to_json_dict())
     else:
+        from asmc_pin.sampled.proof.loop_certificate import not_plain
+
         say(*found.lines())
+        if not found.stable:
+            say_next("gains that this period bears", again(context, "design", "--gains", also=("period", *SENSED)))
+        elif not certify and not_plain(found.loop) is None:
+            say_next(
+                "a proof", again(context, "stability", "--certify", also=("mbar", "ks", "beta", "period", *SENSED))
+            )
     open_question = found.proof is not None and found.proof.verdict == "undecided"
     raise typer.Exit(1 if not found.stable else 3 if open_question else 0)

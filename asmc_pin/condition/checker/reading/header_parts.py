@@ -17,7 +17,7 @@ from pydantic import (
     model_validator,
 )
 
-from asmc_pin.words.text import printable
+from asmc_pin.words.text import printable, visible
 
 _ROUNDED = 1e-9
 """Of a payload's largest principal moment: digits that somebody may have rounded."""
@@ -52,6 +52,12 @@ def _shown(name: str) -> str:
     if name != printable(name):
         raise ValueError("a name that can be shown as it is expected")
     return name
+
+
+def _seen_whole(text: str) -> str:
+    if text != visible(text):
+        raise ValueError("a text that can be shown as it is expected")
+    return text
 
 
 Hex = Annotated[float, BeforeValidator(_from_hex)]
@@ -145,7 +151,7 @@ class WrittenProviso(Part):
     """In what the arm is not as the file that its maker read; no statement rests on it."""
 
     kind: Name
-    text: Annotated[str, Field(min_length=1, max_length=100_000), AfterValidator(_shown)]
+    text: Annotated[str, Field(min_length=1, max_length=100_000), AfterValidator(_seen_whole)]
 
 
 class Header(Part):
