@@ -12,7 +12,7 @@ from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
 from asmc_pin.condition.certificate.certificate_result import CertificateResult, Verdict
 from asmc_pin.condition.certificate.compiled.bisection_tree import LEAF
-from asmc_pin.condition.certificate.stopping import INTERRUPTED
+from asmc_pin.condition.certificate.stopping import FREED, INTERRUPTED
 from asmc_pin.condition.certificate.strategy import ProofProgress, Prover
 from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.certificate.worst_known import Worst
@@ -172,4 +172,5 @@ def _check(name: str, value: float, good: bool, expected: str) -> None:
 def _notes(case: Any) -> tuple[str, ...]:
     arm, idle = case.domain.arm, case.domain.box.idle
     names = ", ".join(f"'{printable(name)}'" for name, still in zip(arm.joint_names, idle, strict=True) if still)
-    return (f"M(q) does not depend on joint {names}, which carries the whole arm",) if names else ()
+    notes = (f"M(q) does not depend on joint {names}, which carries the whole arm",) if names else ()
+    return (*notes, FREED) if arm.mimics else notes
