@@ -19,6 +19,7 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.certificate.compiled.working_state import Problem
+from asmc_pin.condition.certificate.mimic_shares import unfold
 
 if TYPE_CHECKING:
     from asmc_pin.rigid_body.tree import Tree
@@ -83,7 +84,7 @@ def canonical(tree: Tree) -> tuple[Array, Array]:
 
 
 def problem_of(tree: Tree, lower: Array, upper: Array, mbar: Array, statement: Statement) -> Problem:
-    """A statement in compiled form.
+    """A statement in compiled form; where joints mimic others, one that is sufficient for it (`mimic_shares`).
 
     Args:
         tree: The arm; its own armature is not used.
@@ -95,16 +96,19 @@ def problem_of(tree: Tree, lower: Array, upper: Array, mbar: Array, statement: S
     Returns:
         The problem; its arrays are its own.
     """
+    share = even = np.ones(tree.joints)
+    if tree.coupling.follows:
+        tree, lower, upper, mbar, statement, share, even = unfold(tree, lower, upper, mbar, statement)
     n = tree.nv
     place, rigid = canonical(tree)
     f = statement.scale * (1.0 + MARGIN)
     gamma, armature, slack = statement.level, statement.armature, statement.slack
     if statement.kind == "weighted":
         link, motion = rigid.copy(), np.ones((n, 1, 1))
-        joint = (armature - f / (1.0 + gamma) * mbar)[:, None, None]
+        joint = (armature - f / (1.0 + gamma) * mbar * share)[:, None, None]
     elif statement.kind == "bounded":
         link, motion = -rigid, np.ones((n, 1, 1))
-        joint = (statement.scale * (1.0 - MARGIN) / (1.0 - gamma) * mbar - armature - slack)[:, None, None]
+        joint = (statement.scale * (1.0 - MARGIN) / (1.0 - gamma) * mbar * share - armature - slack)[:, None, None]
     else:
         # Joint velocities in units of M̄^(-1/2), and the two twists brought to one size.
         middle = np.sqrt(mbar.min() * mbar.max())
@@ -113,14 +117,14 @@ def problem_of(tree: Tree, lower: Array, upper: Array, mbar: Array, statement: S
         link[:, :6, 6:] = link[:, 6:, :6] = rigid
         if statement.kind == "lemma1":
             motion = np.stack((v, w), axis=1)[:, :, None]
-            joint = (2.0 * armature - f * mbar)[:, None, None]
+            joint = (2.0 * armature - f * mbar * share)[:, None, None]
         else:
             s = np.sqrt((1.0 - gamma) * (1.0 + gamma))
             motion = np.zeros((n, 2, 2))
             motion[:, 0, 0], motion[:, 1, 0], motion[:, 1, 1] = v, w, s * w
             joint = np.zeros((n, 2, 2))
-            joint[:, 0, 0] = 2.0 * armature - f * mbar
-            joint[:, 1, 1] = statement.scale * (1.0 - MARGIN) * mbar
+            joint[:, 0, 0] = 2.0 * armature - f * mbar * share
+            joint[:, 1, 1] = statement.scale * (1.0 - MARGIN) * mbar * even
             joint[:, 0, 1] = joint[:, 1, 0] = s * armature
             # a [[2, s], [s, 0]], a in [0, slack], is at least slack times its negative part, 1 − √(1 + s²).
             values, vectors = np.linalg.eigh(np.array([[2.0, s], [s, 0.0]]))

@@ -11,6 +11,7 @@ import numpy as np
 
 from asmc_pin._typing import Array, IntArray
 from asmc_pin.condition.certificate import stopping
+from asmc_pin.condition.certificate.mimic_shares import halved
 from asmc_pin.condition.certificate.statement_forms import MARGIN, Kind, Statement, problem_of
 from asmc_pin.condition.certificate.stopping import Obstacle
 from asmc_pin.condition.certificate.walk import UNKNOWN, Record, Walk, in_joints, prove
@@ -54,12 +55,13 @@ class ProofProgress:
 def unprovable(cases: Sequence[Case]) -> str:
     """Why nothing is proven of some cases; empty where all that matters is covered by them."""
     arms = [case.domain.arm for case in cases]
-    if arms[0].mimics:
-        return stopping.COUPLED
     if has_places([arm.payload for arm in arms]):
         return stopping.PLACES
     return ""
 
+
+_PIECES = 128
+"""Boxes that one with joints that mimic others is cut into at most, each with shares of its own."""
 
 _QUICK = 0.1
 """Share of the time left below which an attempt was quick, and the next may ask for all at once."""
@@ -192,6 +194,8 @@ class Prover:
             of: What was tried.
         """
         assert self.obstacle is not None
+        if self._cases[0].domain.arm.mimics:
+            return stopping.SHARES
         return self.obstacle.reason(near=left <= stopping.NEAREST * of)
 
     def _scale_statements(self, scale: float) -> list[Statement]:
@@ -227,29 +231,47 @@ class Prover:
             records = []
             for joints in mine:
                 watch = _Watch(self, label, patient, number, count)
-                walk = self._walk(statement, joints, watch)
-                self.tests += walk.tests
+                domain = self._cases[statement.case].domain
+                tree = branch_of(domain.arm.tree, joints)
+                pieces = [(domain.box.lower[joints], domain.box.upper[joints])]
+                for _ in range(_PIECES):
+                    piece = pieces.pop()
+                    walk = self._walk(statement, joints, piece, watch)
+                    self.tests += walk.tests
+                    late = time.monotonic() > self.deadline
+                    if walk.q is not None and tree.coupling.follows and not late:
+                        # What is only sufficient loses less over a smaller box.
+                        pieces += (halves := halved(tree, domain.box.of(joints), piece))
+                        if halves:
+                            continue
+                    if walk.q is not None or walk.status == "stopped":
+                        break
+                    # Of joints that mimic others no record is written, and there is none in the arm's own numbers.
+                    records.append(walk.record if tree.coupling.follows else in_joints(walk.record, joints))
+                    if not pieces:
+                        break
                 if walk.status == "stopped":
                     return "slow" if watch.slow else "stopped"
-                if walk.q is not None:
+                if walk.q is not None or pieces:
                     # The other branches do not matter to this one: anywhere will do.
-                    q = np.array(self._cases[statement.case].domain.box.centre)
-                    q[joints] = walk.q
+                    q = np.array(domain.box.centre)
+                    if walk.q is not None:
+                        q[joints] = walk.q[tree.coupling.leader]
                     self.worst.climb(statement.case, q, statement.armature)
                     self.obstacle = Obstacle(walk.status, statement, q)
                     return "blocked"
-                records.append(in_joints(walk.record, joints))
                 number += 1
             proofs.append(Proof(statement, np.concatenate(records)))
         self.proofs[key] = tuple(proofs)
         return "proven"
 
-    def _walk(self, statement: Statement, joints: IntArray, watch: _Watch) -> Walk:
-        """Bisect the box of one branch, beginning with the halvings of the last walk of it that was one to the end."""
+    def _walk(self, statement: Statement, joints: IntArray, box: tuple[Array, Array], watch: _Watch) -> Walk:
+        """Bisect a box of one branch, beginning with the halvings of the last walk of it that was one to the end."""
         domain = self._cases[statement.case].domain
-        lower, upper = domain.box.lower[joints], domain.box.upper[joints]
+        lower, upper = box
         own = replace(statement, armature=statement.armature[joints], slack=statement.slack[joints])
-        name = statement.kind, statement.case, int(joints[0]), statement.armature.tobytes()
+        place = np.concatenate((statement.armature, lower, upper)).tobytes()
+        name = statement.kind, statement.case, int(joints[0]), place
         walk = prove(
             problem_of(branch_of(domain.arm.tree, joints), lower, upper, self._mbar[joints], own),
             hint=self._hints.get(name, UNKNOWN),
