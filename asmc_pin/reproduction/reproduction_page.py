@@ -148,12 +148,12 @@ def _tables(data: Mapping[str, Any]) -> Iterator[str]:
                 [
                     label,
                     "–" if told is None else _pair(told, factor),
-                    _spread(run, "rms_deg", factor),
+                    medians(run, "rms_deg", factor),
                     "–" if told is None else _ratio(run["rms_deg"], told),
-                    _spread(run, "max_error_deg", factor),
-                    _spread(run, "torque_max"),
-                    _spread(run, "torque_variation"),
-                    _spread(run, "peak_gain"),
+                    medians(run, "max_error_deg", factor),
+                    medians(run, "torque_max"),
+                    medians(run, "torque_variation"),
+                    medians(run, "peak_gain"),
                 ]
             )
             if run["status"] != "ok":
@@ -279,7 +279,12 @@ def _pair(values: Sequence[float | None], factor: float = 1.0) -> str:
     return " / ".join(_number(None if x is None else factor * x) for x in values)
 
 
-def _spread(run: Mapping[str, Any], name: str, factor: float = 1.0) -> str:
+def plain_pair(values: Sequence[float] | None) -> str:
+    """What the paper prints of both joints; a dash where it prints nothing."""
+    return "–" if values is None else _pair(values)
+
+
+def medians(run: Mapping[str, Any], name: str, factor: float = 1.0) -> str:
     """Medians of the joints, each with its 5 % and 95 % where they are printed differently; ∞ where failures reach."""
     cells = []
     for middle, low, high in zip(run[name], run[f"{name}_low"], run[f"{name}_high"], strict=True):
