@@ -74,21 +74,21 @@ def _sure(data: Mapping[str, Any]) -> str:
     """What the brackets are, and how wide the widest is."""
     items = list(data["experiments"].values())
     moves = [
-        (high / low - 1.0, f"{label} at joint {joint + 1}, Table {item['table']}, {item['set']}")
+        (high / low, f"{label} at joint {joint + 1}, Table {item['table']}, {item['set']}")
         for item in items
         for label, run in item["controllers"].items()
         for joint, (low, high) in enumerate(zip(run["rms_deg_low"], run["rms_deg_high"], strict=True))
         if low and high
     ]
-    most, where = max(moves, default=(0.0, "none"))
+    most, where = max(moves, default=(1.0, "none"))
     trials = sorted({item["trials"] for item in items})
     return (
         f"Figures are medians of {', '.join(map(str, trials))} trials whose starts differ by "
         f"{items[0]['q0_deviation']:g} rad, the first unchanged, and in brackets 5 % and 95 % where that is printed "
         "differently. This is numerical sensitivity for this plant and these gains: a start that nobody could tell "
-        f"apart moves an RMS error by up to {100.0 * most:.2g} % ({where}). In the ordering of the controllers a place "
-        "counts where the paired ratios are certain of it ([statistics](statistics.md)); the other claims are judged "
-        "by medians. Curves, theorems and the search of readings are of the first trial."
+        f"apart moves an RMS error by a factor of up to {number(most, 2)} ({where}). In the ordering of the "
+        "controllers a place counts where the paired ratios are certain of it ([statistics](statistics.md)); the other "
+        "claims are judged by medians. Curves, theorems and the search of readings are of the first trial."
     )
 
 
