@@ -104,8 +104,8 @@ def errors_figure(dataset: xr.Dataset, limit: Array) -> Figure:
                 axis.plot(*running_max(time, factor * np.abs(error[k, :, i])), color=color)
                 shade_sizes(axis, dataset.isel(controller=k), i, factor, color)
             else:
-                shade(axis, dataset.isel(controller=k), "error", i, factor, color)
                 axis.plot(*thinned(time, factor * error[k, :, i]), color=color)
+                shade(axis, dataset.isel(controller=k), "error", i, factor, color)
         if logarithmic:
             axis.set_yscale("log")
             low, high = axis.get_ylim()
@@ -134,8 +134,8 @@ def gains_and_s_figure(dataset: xr.Dataset, limit: Array) -> Figure:
             axes[i, -1].plot(*thinned(time, s[k, :, i]), color=color, linewidth=0.6)
             shade(axes[i, -1], dataset.isel(controller=k), "s", i, 1.0, color)
             if k in adaptive:
-                shade(axes[i, 0], dataset.isel(controller=k), "gain", i, 1.0, color)
                 axes[i, 0].plot(*thinned(time, gains[k, :, i]), color=color)
+                shade(axes[i, 0], dataset.isel(controller=k), "gain", i, 1.0, color)
         axes[i, -1].set_ylabel(rf"$s_{{{i + 1}}}$ [{metre}/s]")
         if adaptive:
             axes[i, 0].set_ylabel(rf"$\hat{{k}}_{{{i + 1}}}$ [{metre}/s$^2$]")

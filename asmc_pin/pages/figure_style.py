@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -19,7 +20,10 @@ COLUMN, PAGE = 3.5, 7.16
 
 GREY = "#7F7F7F"
 
-BAND = "Lines: the first trial. Shaded, where there are several trials: 5 % to 95 % of them at each tick."
+BAND = (
+    "Lines: the first trial. Shaded, where there are several trials: 5 % to 95 % of them at each tick, "
+    "as far as three times the line's largest value."
+)
 """For the words below a figure."""
 
 _STYLE: Any = {
@@ -79,6 +83,9 @@ def save(figure: Figure, path: Path) -> None:
 def shade(axis: Axes, run: xr.Dataset, name: str, joint: int, factor: float, color: str) -> None:
     """Shade where nine of ten trials of a signal lie at each tick; nothing of a single trial.
 
+    Called after the line of the first trial, at three times whose largest value the band is cut: a trial that is about
+    to diverge would flatten all else.
+
     Args:
         axis: Where to.
         run: Of one controller, with the bands of its trials where there are such.
@@ -88,7 +95,9 @@ def shade(axis: Axes, run: xr.Dataset, name: str, joint: int, factor: float, col
         color: That of the line.
     """
     if f"{name}_low" in run:
-        low, high = (factor * run[f"{name}_{end}"].to_numpy()[:, joint] for end in ("low", "high"))
+        most = 3.0 * np.nanmax(np.abs(np.asarray(axis.lines[-1].get_ydata(), dtype=np.float64)), initial=0.0)
+        ends = (factor * run[f"{name}_{end}"].to_numpy()[:, joint] for end in ("low", "high"))
+        low, high = (np.clip(end, -most, most) for end in ends)
         axis.fill_between(*envelope(run.time.to_numpy(), low, high), color=color, alpha=0.25, linewidth=0.0)
 
 

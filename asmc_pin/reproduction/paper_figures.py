@@ -87,9 +87,9 @@ def _gains(pair: Pair) -> Figure:
             for i in range(2):
                 gain, s = of_gain * run.gain.to_numpy()[:, i], of_s * run.s.to_numpy()[:, i]
                 grid[i][column].plot(*thinned(time, gain), color=_color(scheme))
+                grid[2 + i][column].plot(*thinned(time, s), color=_color(scheme), linewidth=0.6)
                 shade(grid[i][column], run, "gain", i, of_gain, _color(scheme))
                 shade(grid[2 + i][column], run, "s", i, of_s, _color(scheme))
-                grid[2 + i][column].plot(*thinned(time, s), color=_color(scheme), linewidth=0.6)
         for i in range(2):
             _limit(grid[i][column], max(item["paper"]["gain"].values()))
             _limit(grid[2 + i][column], item["paper"]["s"][i], both=True)

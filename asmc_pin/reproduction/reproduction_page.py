@@ -222,7 +222,8 @@ def _theorems(data: Mapping[str, Any]) -> Iterator[str]:
 def _figures(data: Mapping[str, Any], folder: str) -> Iterator[str]:
     yield (
         "Dashed: the range that the paper's figure shows. BSMC and Existing are the tuned rows. Lines: the first "
-        "trial; shaded in errors, gains and sliding variables: 5 % to 95 % of all trials."
+        "trial; shaded in errors, gains and sliding variables: 5 % to 95 % of all trials, as far as "
+        "three times the line's largest value."
     )
     yield ""
     for name, caption in data["figures"].items():
