@@ -57,8 +57,8 @@ def linear_form(law: Any, nv: int, size: float = NEAR) -> LinearForm | None:
     mixed = np.random.default_rng(0).uniform(-1.0, 1.0, (4, rows + READINGS))
     asked = np.concatenate([probes, -2.0 * probes[1:], mixed])
     memory, command = _answers(law, asked * size, nv, rows)
-    if not (np.isfinite(memory).all() and np.isfinite(command).all()):
-        return None
+    if not (np.isfinite(memory).all() and np.isfinite(command).all()) or command[0].any():
+        return None  # a law that pushes at rest switches
     a = (memory[1 : len(probes)] - memory[0]) / size  # what was asked, rows, nv
     c = (command[1 : len(probes)] - command[0]) / size
     kept = _reaching(a[:rows], c[:rows])
