@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable
 from functools import cache
 
 from import_graph import PACKAGE, circles, docstring, folders, layers, reduced, room_graph
+from law_oracles import ORACLES
 
 from asmc_pin.arms import ARMS
 from asmc_pin.baselines import BASELINES, ModelLaw
@@ -175,6 +176,13 @@ part("law-equations")(
         ),
     )
 )
+
+
+@part("law-oracles")
+def law_oracles_table() -> str:
+    """docs/laws.md: what each law has to do, and what was measured through the plant."""
+    rows = ([code(item.law), prose(item.property), prose(item.must), prose(item.shown())] for item in ORACLES)
+    return table(["law", "property", "what it has to be", "measured"], rows)
 
 
 @part("reference-kinds")
