@@ -60,8 +60,8 @@ def unprovable(cases: Sequence[Case]) -> str:
     return ""
 
 
-_PIECES = 128
-"""Boxes that one with joints that mimic others is cut into at most, each with shares of its own."""
+_CUTS = 128
+"""How often a box of joints that mimic others is cut, each piece with shares of its own."""
 
 _QUICK = 0.1
 """Share of the time left below which an attempt was quick, and the next may ask for all at once."""
@@ -231,39 +231,47 @@ class Prover:
             records = []
             for joints in mine:
                 watch = _Watch(self, label, patient, number, count)
-                domain = self._cases[statement.case].domain
-                tree = branch_of(domain.arm.tree, joints)
-                pieces = [(domain.box.lower[joints], domain.box.upper[joints])]
-                for _ in range(_PIECES):
-                    piece = pieces.pop()
-                    walk = self._walk(statement, joints, piece, watch)
-                    self.tests += walk.tests
-                    late = time.monotonic() > self.deadline
-                    if walk.q is not None and tree.coupling.follows and not late:
-                        # What is only sufficient loses less over a smaller box.
-                        pieces += (halves := halved(tree, domain.box.of(joints), piece))
-                        if halves:
-                            continue
-                    if walk.q is not None or walk.status == "stopped":
-                        break
-                    # Of joints that mimic others no record is written, and there is none in the arm's own numbers.
-                    records.append(walk.record if tree.coupling.follows else in_joints(walk.record, joints))
-                    if not pieces:
-                        break
+                walk, own = self._branch(statement, joints, watch)
                 if walk.status == "stopped":
                     return "slow" if watch.slow else "stopped"
-                if walk.q is not None or pieces:
+                if walk.q is not None:
                     # The other branches do not matter to this one: anywhere will do.
+                    domain = self._cases[statement.case].domain
                     q = np.array(domain.box.centre)
-                    if walk.q is not None:
-                        q[joints] = walk.q[tree.coupling.leader]
+                    q[joints] = walk.q[branch_of(domain.arm.tree, joints).coupling.leader]
                     self.worst.climb(statement.case, q, statement.armature)
                     self.obstacle = Obstacle(walk.status, statement, q)
                     return "blocked"
+                records += own
                 number += 1
             proofs.append(Proof(statement, np.concatenate(records)))
         self.proofs[key] = tuple(proofs)
         return "proven"
+
+    def _branch(self, statement: Statement, joints: IntArray, watch: _Watch) -> tuple[Walk, list[Record]]:
+        """Prove one branch's box, in pieces where joints mimic others; the last walk, and the records of all."""
+        domain = self._cases[statement.case].domain
+        tree, whole = branch_of(domain.arm.tree, joints), domain.box.of(joints)
+        pieces, cuts = [(whole.lower, whole.upper)], 0
+        records: list[Record] = []
+        while True:
+            piece = pieces.pop()
+            walk = self._walk(statement, joints, piece, watch)
+            self.tests += walk.tests
+            if walk.status == "proven":
+                # Of joints that mimic others no record is written, and there is none in the arm's own numbers.
+                records.append(walk.record if tree.coupling.follows else in_joints(walk.record, joints))
+                if pieces:
+                    continue
+                return walk, records
+            # What is only sufficient loses less over a smaller box.
+            halves = halved(tree, whole, piece) if tree.coupling.follows and walk.q is not None else []
+            if not halves or cuts == _CUTS:
+                return walk, records
+            if time.monotonic() > self.deadline:
+                return replace(walk, status="stopped"), records
+            pieces += halves
+            cuts += 1
 
     def _walk(self, statement: Statement, joints: IntArray, box: tuple[Array, Array], watch: _Watch) -> Walk:
         """Bisect a box of one branch, beginning with the halvings of the last walk of it that was one to the end."""
