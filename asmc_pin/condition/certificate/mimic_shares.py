@@ -20,7 +20,7 @@ from asmc_pin.rigid_body.coupling import uncoupled
 from asmc_pin.rigid_body.mass_matrix import mass_matrices
 
 if TYPE_CHECKING:
-    from asmc_pin.condition.certificate.statement_forms import Statement
+    from asmc_pin.condition.certificate.statement import Statement
     from asmc_pin.condition.domain.joint_box import Box
     from asmc_pin.rigid_body.tree import Tree
 

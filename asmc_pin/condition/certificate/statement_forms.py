@@ -12,19 +12,17 @@ The last two are written as forms of two twists per link, v = J x and w = J N (x
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.certificate.compiled.working_state import Problem
 from asmc_pin.condition.certificate.mimic_shares import unfold
+from asmc_pin.condition.certificate.statement import Statement
 
 if TYPE_CHECKING:
     from asmc_pin.rigid_body.tree import Tree
-
-Kind = Literal["weighted", "bounded", "lemma1", "level"]
 
 SPREAD = 0.05
 """Share of the rigid metric in the metric of losses; from 0.01 to 1 the number of boxes changes by a factor of two."""
@@ -35,27 +33,6 @@ MARGIN = 1e-9
 DATA = 1e-13
 """Share of each body's largest possible inertia that is taken off for the last digits of the arm's data: some hundred
 times what turning frames and weighing by M̄ round."""
-
-
-@dataclass(frozen=True, eq=False)
-class Statement:
-    """One positivity statement.
-
-    Attributes:
-        kind: See the module's text.
-        scale: f.
-        level: γ; 1 for the condition itself.
-        case: Index of the arm among those of the certificate (payload ends, locked joints).
-        armature: Shape (nv,), kg·m².
-        slack: Range of the armature that the statement covers beyond `armature`, shape (nv,), kg·m².
-    """
-
-    kind: Kind
-    scale: float
-    level: float
-    case: int
-    armature: Array
-    slack: Array
 
 
 def canonical(tree: Tree) -> tuple[Array, Array]:

@@ -8,7 +8,8 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.certificate.compiled.bisection_tree import DEEPEST
-from asmc_pin.condition.certificate.statement_forms import MARGIN, Statement
+from asmc_pin.condition.certificate.statement import Statement
+from asmc_pin.condition.certificate.statement_forms import MARGIN
 from asmc_pin.condition.certificate.walk import Status
 
 GAP_MET = "the gap is met"

@@ -12,7 +12,8 @@ import numpy as np
 from asmc_pin._typing import Array, IntArray
 from asmc_pin.condition.certificate import stopping
 from asmc_pin.condition.certificate.mimic_shares import halved
-from asmc_pin.condition.certificate.statement_forms import MARGIN, Kind, Statement, problem_of
+from asmc_pin.condition.certificate.statement import Kind, Statement
+from asmc_pin.condition.certificate.statement_forms import MARGIN, problem_of
 from asmc_pin.condition.certificate.stopping import Obstacle
 from asmc_pin.condition.certificate.walk import UNKNOWN, Record, Walk, in_joints, prove
 from asmc_pin.condition.certificate.worst_known import Worst

@@ -15,7 +15,8 @@ from asmc_pin.cli import main
 from asmc_pin.condition import bounds
 from asmc_pin.condition.certificate import certify
 from asmc_pin.condition.certificate.mimic_shares import halved, unfold
-from asmc_pin.condition.certificate.statement_forms import Kind, Statement, problem_of
+from asmc_pin.condition.certificate.statement import Kind, Statement
+from asmc_pin.condition.certificate.statement_forms import problem_of
 from asmc_pin.condition.certificate.walk import prove
 from asmc_pin.condition.domain.base_branches import branch_of, branches
 from asmc_pin.condition.domain.joint_box import resolve_box
