@@ -194,7 +194,7 @@ def assemble(recipe: Recipe) -> Arm:
         raise ArmError(
             robot.path,
             f"{shown(robot.path)}: has {len(joints)} moving joints, and at most {MOVING_JOINTS} are computed with. "
-            f"Keep one arm of it, {chain_words(*longest_chain(robot))}, or lock some, by name or pattern: "
+            f"Keep one arm of it, {chain_words(*longest_chain(robot))}, or lock some, by name or pattern as in "
             f"{lock_words({'left_*': 0.0})}",
         )
     check_bodies(robot, bodies, coupling)
