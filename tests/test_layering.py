@@ -109,6 +109,7 @@ KNOW_THE_MODEL = {
     "asmc_pin.baselines.model_law",
     "asmc_pin.baselines.computed_torque",
     "asmc_pin.baselines.pd_gravity",
+    "asmc_pin.baselines.slotine_li",
 }
 
 # Libraries with one home, so that what it costs to change them is known.

@@ -245,6 +245,41 @@ class Arm(Shown):
         """
         return self.tree.coupling.forces(self._batched(pin.nonLinearEffects, (self.model.nv,), q=q, v=v))
 
+    @property
+    def inertial_parameters(self) -> Array:
+        """What `regressor` multiplies: ten for each moving link, from the base on, then the armature of each joint.
+
+        A link's are mass, mass × centre of mass (3) and the inertia about the joint's frame (xx, xy, yy, xz, yz, zz).
+        """
+        links = [inertia.toDynamicParameters() for inertia in list(self.model.inertias)[1:]]
+        return np.concatenate([*links, self.armature])
+
+    def regressor(self, q: Array, v: Array, v_r: Array, a_r: Array) -> Array:
+        """The matrix Y with Y θ = M(q) a_r + C(q, v) v_r + g(q), θ the `inertial_parameters`.
+
+        C is that of Christoffel symbols, so that C(q, x) y is bilinear and symmetric in x and y: it is a quarter of the
+        difference of C(q, x + y)(x + y) and C(q, x − y)(x − y), of which Pinocchio has regressors.
+
+        Args:
+            q: Shape (..., nv).
+            v: Velocity, shape (..., nv).
+            v_r: Reference velocity of Slotine and Li, shape (..., nv).
+            a_r: Reference acceleration, shape (..., nv).
+
+        Returns:
+            Shape (..., nv, 10 links + nv).
+        """
+        still = np.zeros(self.nv)
+
+        def rows(model: pin.Model, data: pin.Data, q: Array, v: Array, v_r: Array, a_r: Array) -> Array:
+            def part(velocity: Array, acceleration: Array) -> Array:
+                return np.array(pin.computeJointTorqueRegressor(model, data, q, velocity, acceleration))
+
+            links = part(still, a_r) + 0.25 * (part(v + v_r, still) - part(v - v_r, still))
+            return np.concatenate([links, np.diag(a_r)], axis=1)
+
+        return self._batched(rows, (self.nv, self.inertial_parameters.size), q=q, v=v, v_r=v_r, a_r=a_r)
+
     def forward_dynamics(self, q: Array, v: Array, torque: Array) -> Array:
         """Acceleration M⁻¹(τ − C q̇ − g), without friction.
 

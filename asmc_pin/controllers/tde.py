@@ -175,6 +175,10 @@ class TdeLaw(CompiledLaw):
         self._check_joints(nv)
         return self if self.nv is not None else replace(self, mbar=np.full(nv, self.mbar))
 
+    def with_loop(self, mbar: Array, ks: Array, beta: Array, period: float) -> Self:
+        """The same law in another loop: M̄ and K_s of shape (nv,), β (nv,) with equal values, period in s."""
+        return replace(self, mbar=mbar, ks=ks, beta=float(beta[0]), period=period)
+
     def init(self, sample: Sample) -> Any:
         """State before the first tick, from the sample of t = 0; a law with a state of its own overrides it."""
         return self.start(sample)

@@ -280,8 +280,8 @@ def test_a_trial_is_judged_the_same_in_any_batch(arm: Arm, name: str) -> None:
 
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_a_run_that_blows_up_is_judged_up_to_its_end(arm: Arm, name: str) -> None:
-    law = law_of(name, ks=900.0, beta=900.0)
-    seen, plant = run(arm, law, friction=SMOOTH)
+    law = law_of(name, ks=900.0, beta=900.0, mbar=[8.0, 3.0])
+    seen, plant = run(arm, law, friction=SMOOTH, speed_bound=0.5)
     assert seen.status == ("diverged",)
     found = monitor(seen, plant, law)
     end = int(np.searchsorted(seen.time, seen.end_time[0]))

@@ -12,7 +12,7 @@ from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
 from asmc_pin.condition.certificate.certificate_result import CertificateResult, Verdict
 from asmc_pin.condition.certificate.compiled.bisection_tree import LEAF
-from asmc_pin.condition.certificate.stopping import INTERRUPTED
+from asmc_pin.condition.certificate.stopping import FREED, INTERRUPTED
 from asmc_pin.condition.certificate.strategy import ProofProgress, Prover
 from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.certificate.worst_known import Worst
@@ -170,4 +170,5 @@ def _check(name: str, value: float, good: bool, expected: str) -> None:
 
 def _notes(case: Any) -> tuple[str, ...]:
     said = idle_note(case.domain.arm, case.domain.box)
-    return (said,) if said else ()
+    notes = (said,) if said else ()
+    return (*notes, FREED) if case.domain.arm.mimics else notes

@@ -154,7 +154,7 @@ def _condition_number(
 
 def _coriolis(all_cases: Sequence[Case], scaling: Array, high: float | None, seed: int) -> Bound:
     seen_largest = largest_velocity_forces(all_cases, scaling, seed)
-    if unprovable(all_cases):
+    if unprovable(all_cases) or all_cases[0].domain.arm.mimics:
         return Bound(None, seen_largest.value, seen_largest.q)
     # Velocity forces are affine in a payload's mass, and a norm is convex: the ends of a range cover it.
     proven = max(

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar, NamedTuple
+from dataclasses import dataclass, replace
+from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -125,6 +125,15 @@ class Pid(TdeLaw):
             return self.kp, self.ki, self.kd
         kd = self.mbar / self.period
         return kd * (self.ks + self.beta), kd * self.ks * self.beta, kd
+
+    def with_loop(self, mbar: Array, ks: Array, beta: Array, period: float) -> Self:
+        """The same law in another loop; gains that are given are multiplied by what those of the twin would be."""
+        if self.kp is None:
+            return super().with_loop(mbar, ks, beta, period)
+        pushed = mbar / self.mbar
+        faster, stiffer = (ks + beta) / (self.ks + self.beta), ks * beta / (self.ks * self.beta)
+        gains = {"kp": self.kp * pushed * faster, "ki": self.ki * pushed * stiffer, "kd": self.kd * pushed}
+        return replace(self, **gains, ks=ks, beta=beta, period=period)
 
     def init(self, sample: Sample) -> PidState:
         """State before the first tick."""

@@ -108,7 +108,7 @@ def certify_loop(
                 break
         else:
             reason = ""
-            if magnitude > 0.0:
+            if magnitude > 0.0 and not arm.mimics:
                 pieces, no_gravity = _under_gravity(all_cases, loop, provers, (least, largest), magnitude)
             else:
                 no_gravity = "there is none"

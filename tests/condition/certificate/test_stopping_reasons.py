@@ -16,7 +16,8 @@ from condition_cases import UR5_MBAR
 from asmc_pin import load_arm
 from asmc_pin.arms import Arm
 from asmc_pin.condition.certificate import certify
-from asmc_pin.condition.certificate.statement_forms import Statement, problem_of
+from asmc_pin.condition.certificate.statement import Statement
+from asmc_pin.condition.certificate.statement_forms import problem_of
 from asmc_pin.condition.certificate.stopping import (
     GAP_MET,
     LEVEL_PROVEN,
