@@ -10,7 +10,15 @@ import typer
 from asmc_pin.cli.app import app
 from asmc_pin.cli.commands.condition_commands import check_proof_options, report_path
 from asmc_pin.cli.console import note, print_json, say
-from asmc_pin.cli.loop_options import AccelerationOption, DelayOption, FilterOption, loop_proof_of
+from asmc_pin.cli.loop_options import (
+    AccelerationOption,
+    DelayOption,
+    FilterOption,
+    LawOption,
+    SetOption,
+    law_of,
+    loop_proof_of,
+)
 from asmc_pin.cli.options import (
     ArmArgument,
     ArmatureOption,
@@ -51,6 +59,8 @@ def stability(
     ks: Annotated[str, typer.Option(metavar="K1,K2,…", help="Diagonal of K_s, 1/s, or one value for all joints.")],
     beta: Annotated[str, typer.Option(metavar="B", help="β, 1/s.")],
     period: Annotated[str, typer.Option(metavar="S", help="Control period L.")],
+    law: LawOption = None,
+    settings: SetOption = None,
     acceleration: AccelerationOption = "velocity",
     filter_hz: FilterOption = None,
     delay: DelayOption = 0.0,
@@ -100,6 +110,20 @@ def stability(
         velocity_noise=velocity_noise,
         torque_noise=torque_noise,
     )
+    # A law cannot see that the drives make v by difference; an experiment says so too.
+    differs = sensor is not None and sensor.timing["velocity"] == "difference"
+    paired = "mean" if pairing == "matched" and differs else pairing
+    chosen = law_of(
+        law,
+        settings,
+        mbar=values,
+        ks=slopes,
+        beta=rate,
+        period=length,
+        acceleration=acceleration,
+        filter_hz=filter_hz,
+        pairing=paired,
+    )
     from asmc_pin.sampled import stability as run
 
     found = run(
@@ -113,6 +137,7 @@ def stability(
         delay=delay,
         sensor=sensor,
         pairing=pairing,
+        law=chosen,
         box=ranges,
         **domain,
     )

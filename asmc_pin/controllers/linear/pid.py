@@ -132,8 +132,8 @@ class Pid(TdeLaw):
             return super().with_loop(mbar, ks, beta, period)
         pushed = mbar / self.mbar
         faster, stiffer = (ks + beta) / (self.ks + self.beta), ks * beta / (self.ks * self.beta)
-        gains = {"kp": self.kp * pushed * faster, "ki": self.ki * pushed * stiffer, "kd": self.kd * pushed}
-        return replace(self, **gains, ks=ks, beta=beta, period=period)
+        kp, ki, kd = self.kp * pushed * faster, self.ki * pushed * stiffer, self.kd * pushed
+        return replace(self, kp=kp, ki=ki, kd=kd, ks=ks, beta=beta, period=period)
 
     def init(self, sample: Sample) -> PidState:
         """State before the first tick."""
