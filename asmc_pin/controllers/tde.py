@@ -108,6 +108,8 @@ class TdeLaw(CompiledLaw):
     title: ClassVar[str] = ""
     equation: ClassVar[str] = ""
     reference: ClassVar[str] = ""
+    estimates: ClassVar[bool] = True
+    """Whether its load estimate is Γ̂ of (6), low-passed with `estimate_weight` or not; the monitors' N needs it."""
     theorem1: ClassVar[bool] = False
     """Whether Lemma 2, (16) and Theorem 1 are proved for it: it adapts by (11), with φ, α, ε and a threshold."""
 
@@ -148,6 +150,14 @@ class TdeLaw(CompiledLaw):
     def averages_torque(self) -> bool:
         """Whether the mean of the last two torques goes with the estimate of q̈(t−L), and not the last one."""
         return self.pairing == "mean" or (self.pairing == "matched" and self.acceleration == "position")
+
+    @property
+    def estimate_weight(self) -> Any:
+        """Weight c of the newest Γ̂ in a low-pass on the whole estimate, above 0 and at most 1; 1 without one.
+
+        The condition on M̄ is then one on cM̄.
+        """
+        return 1.0
 
     def switching_term(self, s: Array, gain: Array) -> Array | None:
         """w, what the law adds to PPC inside the bracket that M̄ multiplies: τ = PPC + M̄ w; of one class alone.

@@ -75,6 +75,7 @@ class Adrc(TdeLaw):
 
     title: ClassVar[str] = "active disturbance rejection control, from position only"
     equation: ClassVar[str] = "τ = M̄ (q̈_d + (K_s + β)(q̇_d − ẑ₂) + β K_s (q_d − ẑ₁) − ẑ₃), ẑ of an observer of q"
+    estimates: ClassVar[bool] = False
     reference: ClassVar[str] = "Gao (2003), American Control Conf.; current form as Miklosovic, Radke, Gao (2006)"
 
     observer_hz: Scalar = Scalar("bandwidth of the observer; inf for a deadbeat one", "Hz", above=0.0, infinite=True)

@@ -79,6 +79,7 @@ class Pid(TdeLaw):
 
     title: ClassVar[str] = "PID, velocity form with anti-windup"
     equation: ClassVar[str] = "τ = τ(t−L) + k_p Δe + k_i L e + k_d Δė"
+    estimates: ClassVar[bool] = False
     reference: ClassVar[str] = "ros2_control's PID, as increments; Åström, Hägglund (2006), Advanced PID Control"
 
     kp: OptionalPerJoint = OptionalPerJoint("k_p; M̄(K_s + β)/L if not given", "N·m/rad", at_least=0.0)
