@@ -12,6 +12,7 @@ In the letters of Baek, Jin and Han (2016), equations by their numbers there:
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any, ClassVar, NamedTuple, Self
@@ -108,6 +109,14 @@ class TdeLaw(CompiledLaw):
     title: ClassVar[str] = ""
     equation: ClassVar[str] = ""
     reference: ClassVar[str] = ""
+    oracle: ClassVar[str] = ""
+    """What it does exactly, or in which order."""
+    claim: ClassVar[str] = ""
+    """What its source claims."""
+    fails: ClassVar[str] = ""
+    """When that does not hold."""
+    typical: ClassVar[Mapping[str, float | str]] = {}
+    """Values of its own parameters to begin with: they hold two_link, ur5 and panda at 1 kHz, K_s = β = 8."""
     estimates: ClassVar[bool] = True
     """Whether its load estimate is Γ̂ of (6), low-passed with `estimate_weight` or not; the monitors' N needs it."""
     theorem1: ClassVar[bool] = False
