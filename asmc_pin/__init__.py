@@ -76,11 +76,15 @@ if TYPE_CHECKING:
     from asmc_pin.experiment import Experiment as Experiment
     from asmc_pin.experiment import experiment_names as experiment_names
     from asmc_pin.experiment import load_experiment as load_experiment
+    from asmc_pin.inspection import Doubt as Doubt
+    from asmc_pin.inspection import Inspection as Inspection
+    from asmc_pin.inspection import inspect as inspect
+    from asmc_pin.inspection.inspection_report import InspectedJoint as InspectedJoint
     from asmc_pin.metrics import METRICS as METRICS
     from asmc_pin.metrics import Metric as Metric
     from asmc_pin.metrics import MetricSettings as MetricSettings
     from asmc_pin.metrics import evaluate as evaluate
-    from asmc_pin.pages.summary_tables import Table as Table
+    from asmc_pin.pages.tables.text_table import Table as Table
     from asmc_pin.parameters import AsGiven as AsGiven
     from asmc_pin.parameters import OptionalPerJoint as OptionalPerJoint
     from asmc_pin.parameters import PerTrial as PerTrial
@@ -124,6 +128,9 @@ if TYPE_CHECKING:
     from asmc_pin.study.refinement import Refinement as Refinement
     from asmc_pin.study.run_monitors import Theorems as Theorems
     from asmc_pin.study.viewing import view as view
+    from asmc_pin.sweeping import Sweep as Sweep
+    from asmc_pin.sweeping import sweep as sweep
     from asmc_pin.tool_error import ToolError as ToolError
+    from asmc_pin.words.provisos import Proviso as Proviso
 
 __getattr__, __dir__, __all__ = load_on_first_use(__name__)

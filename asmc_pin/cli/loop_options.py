@@ -10,7 +10,7 @@ import typer
 
 from asmc_pin.cli import interrupt
 from asmc_pin.cli.console import note, progress_bar
-from asmc_pin.cli.options import assignments, per_joint
+from asmc_pin.cli.options import NO_CERTIFICATE, assignments, per_joint
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Acceleration
 
@@ -44,7 +44,9 @@ def loop_proof_of(arm: Arm, loop: SampledLoop, certificate: str | None, **option
 
         proof = certify_loop(arm, loop, progress=tell, **options)
     if certificate is not None:
-        if proof.verdict != "undecided":
+        if arm.mimics:
+            note(f"{NO_CERTIFICATE}; none was written to {certificate}")
+        elif proof.verdict != "undecided":
             note(f"certificate: {proof.save(certificate)}")
         else:
             note(f"nothing is proven, so no certificate was written to {certificate}")

@@ -8,19 +8,21 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.hypotheses import Condition, Hypotheses, Where
+from asmc_pin.condition.hypotheses import Hypotheses
+from asmc_pin.condition.judged import Judged
 from asmc_pin.condition.premises import worst_keys
-from asmc_pin.words.shown import Cells, Shown
+from asmc_pin.words.shown import Cells
 from asmc_pin.words.text import printable, rounded_down, rounded_up
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
+    from asmc_pin.condition.search.what_would_help import WhatWouldHelp
 
 Verdict = Literal["violated", "holds", "unrefuted", "undecided"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class ConditionReport(Shown):
+class ConditionReport(Judged):
     """Whether M̄ satisfies a condition on an arm, and what that rests on.
 
     Attributes:
@@ -47,6 +49,7 @@ class ConditionReport(Shown):
         scale_proven: The condition is proven for M̄ times this; None unless asked for.
         scale_refuted: A counter-example was found for M̄ times this; None unless asked for.
         method: How `lower` and `upper` were obtained, one sentence each.
+        remedy: Of a violation that a search found: the joint to blame, and what multiple of M̄ would do.
     """
 
     hypotheses: Hypotheses
@@ -71,36 +74,7 @@ class ConditionReport(Shown):
     scale_proven: float | None = None
     scale_refuted: float | None = None
     method: tuple[str, ...] = ()
-
-    @property
-    def arm(self) -> str:
-        """Name of the arm."""
-        return self.hypotheses.arm
-
-    @property
-    def joints(self) -> tuple[str, ...]:
-        """Its moving joints, base first."""
-        return self.hypotheses.joints
-
-    @property
-    def mbar(self) -> Array:
-        """Diagonal of M̄, shape (nv,), kg·m²."""
-        return np.array(self.hypotheses.mbar)
-
-    @property
-    def condition(self) -> Condition:
-        """``lemma1`` or ``weighted``."""
-        return self.hypotheses.condition
-
-    @property
-    def formula(self) -> str:
-        """The condition as an inequality."""
-        return self.hypotheses.formula
-
-    @property
-    def scope(self) -> Where:
-        """Over what: ``box``, ``motion`` or ``tube``."""
-        return self.hypotheses.where
+    remedy: WhatWouldHelp | None = None
 
     @property
     def box(self) -> tuple[Array, Array]:
@@ -127,6 +101,7 @@ class ConditionReport(Shown):
             *scale_lines(self.scale_proven, self.scale_refuted),
             *bound_lines(self.upper),
             *([f"worst case: {self.worst_case}"] if self.worst_case else []),
+            *(self.remedy.lines() if self.remedy is not None else []),
         ]
 
     def table(self) -> Cells:
@@ -137,10 +112,6 @@ class ConditionReport(Shown):
             [printable(name), f"{m:.6g}", f"{armature:.6g}", f"{q:+.6f}", "" if slides else f"{np.degrees(q):+.2f}"]
             for name, slides, m, armature, q in zip(*figures, strict=True)
         ]
-
-    def remarks(self) -> list[str]:
-        """What a reader has to know."""
-        return [f"note: {line}" for line in self.notes]
 
     def to_json_dict(self) -> dict[str, Any]:
         """The object that ``asmc-pin verify --json`` prints; undefined figures are None."""

@@ -33,6 +33,7 @@ class Plant(PlantParameters):
         payload_changes: What is picked up or put down, in order of time.
         spread: Scatter of the parameters from trial to trial.
         seed: Seed of all that is random.
+        first_trial: Number of the study's trial that is trial 0 here, so that one of many can be run again alone.
     """
 
     def begin(self, q: Array, v: Array, period: float, trials: Sequence[int] | None = None) -> Motion:

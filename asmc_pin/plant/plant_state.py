@@ -42,6 +42,7 @@ class Motion:
 
     def __init__(self, plant: PlantParameters, period: float, q: Array, v: Array, trials: Sequence[int]) -> None:
         batch, nv = q.shape
+        trials = plant.numbered(trials)
         self.active: BoolArray = np.ones(batch, dtype=np.bool_)
         self._all_active = True
         self._plant, self._period, self._nv = plant, period, nv

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from asmc_pin.cli.app import app
+from asmc_pin.cli.app import LISTS, app
 from asmc_pin.cli.console import print_json, rich_console, say
 from asmc_pin.cli.options import JsonOption
 from asmc_pin.errors import ParameterError
@@ -60,13 +60,13 @@ def _print(title: str, table: Rows, as_json: bool, leave_out: tuple[str, ...] = 
     rich_console().print(view)
 
 
-@app.command()
+@app.command(rich_help_panel=LISTS)
 def arms(as_json: JsonOption = False) -> None:
     """List the arms that have a name; --json and README.md also say where each comes from."""
     _print("arms", arm_rows(), as_json, leave_out=("origin", "licence"))
 
 
-@app.command()
+@app.command(rich_help_panel=LISTS)
 def controllers(
     name: Annotated[
         str | None, typer.Argument(metavar="[NAME]", help="A law, to print its card: all of it on one page.")
