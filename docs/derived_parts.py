@@ -18,6 +18,7 @@ from asmc_pin.arms import ARMS
 from asmc_pin.baselines import BASELINES, ModelLaw
 from asmc_pin.cli.commands.listing_commands import arm_rows, controller_rows, metric_rows
 from asmc_pin.controllers import CONTROLLERS, TdeLaw
+from asmc_pin.controllers.law_card import law_card
 from asmc_pin.experiment.constructors import Signature
 from asmc_pin.experiment.plant_parts import LISTS, TABLES
 from asmc_pin.experiment.toml_keys import ArmTable, EnsembleTable, ExperimentTables, MetricsTable, PlantTable, TomlTable
@@ -183,6 +184,13 @@ def law_oracles_table() -> str:
     """docs/laws.md: what each law has to do, and what was measured through the plant."""
     rows = ([code(item.law), prose(item.property), prose(item.must), prose(item.shown())] for item in ORACLES)
     return table(["law", "property", "what it has to be", "measured"], rows)
+
+
+@part("law-cards")
+def law_cards() -> str:
+    """docs/law_cards.md: every law on one page."""
+    cards = (law_card(name, law).lines() for name, law in CONTROLLERS.items())
+    return "\n\n".join("\n".join([f"## {lines[0]}", "", "```text", *lines[2:], "```"]) for lines in cards)
 
 
 @part("reference-kinds")

@@ -66,8 +66,6 @@ def law_loop_rows(
         nxt[name] = now[name[0] if age == 1 else f"{name[0]}-{age - 1}"]
     for i in range(len(memory)):
         nxt[f"law-{i}"] = _weighed(form.readings[:, i], readings) + _weighed(form.memory[:, i], memory)
-    from asmc_pin.sampled.linear_map import readings_of
-
     read, speed = readings_of(loop, nxt)
     report = (1.0 - fraction) * recent + fraction * older
     if sensed:
@@ -77,6 +75,22 @@ def law_loop_rows(
     nxt |= {"angle": read, "rate": speed, "report": report}
     places = {name: slice(i * n, (i + 1) * n) for i, name in enumerate((*names, *inputs))}
     return {name: nxt[name] for name in names}, places, {name: places[name] for name in inputs}, drive
+
+
+def readings_of(loop: SampledLoop, nxt: dict[str, Array]) -> tuple[Array, Array]:
+    """Angle and velocity `reading_delay` periods ago, as the plant's sensors have them.
+
+    Between two ticks by the cubic through both angles and velocities there.
+    """
+    whole = math.floor(loop.reading_delay)
+    rest = loop.reading_delay - whole
+    q1, v1 = (nxt[name if whole == 0 else f"{name}-{whole}"] for name in "qv")
+    if not rest:
+        return q1, v1
+    q0, v0 = (nxt[f"{name}-{whole + 1}"] for name in "qv")
+    x = 1.0 - rest
+    angle = rest**2 * (1.0 + 2.0 * x) * q0 + x**2 * (1.0 + 2.0 * rest) * q1
+    return angle + loop.period * x * rest * (rest * v0 - x * v1), rest * v0 + x * v1
 
 
 def _state_names(loop: SampledLoop, form: LinearForm, sensed: bool) -> list[str]:
@@ -90,7 +104,5 @@ def _state_names(loop: SampledLoop, form: LinearForm, sensed: bool) -> list[str]
 
 def _weighed(weights: Array, signals: tuple[Array, ...] | list[Array]) -> Array:
     """Sum of signals, (..., nv, columns) each, with weights (nv, signals)."""
-    total = 0.0
-    for i, signal in enumerate(signals):
-        total = total + weights[:, i, None] * signal
-    return np.asarray(total)
+    parts = [weights[:, i, None] * signal for i, signal in enumerate(signals)]
+    return np.asarray(sum(parts, start=np.zeros(1)))

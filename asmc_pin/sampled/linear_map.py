@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.errors import NotPositiveDefinite, ParameterError
-from asmc_pin.sampled.law_map import ERRORS, law_loop_rows
+from asmc_pin.sampled.law_map import ERRORS, law_loop_rows, readings_of
 from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.sampled.transition import Transition, transition
 
@@ -176,22 +176,6 @@ def _state_names(loop: SampledLoop, sensed: bool) -> list[str]:
     names += ["report"] if loop.averages_torque else []
     names += [f"command-{i}" for i in range(1, math.ceil(loop.delay) + 1)]
     return names + [f"{of}-{i}" for i in range(1, math.ceil(loop.reading_delay) + 1) for of in "qv"]
-
-
-def readings_of(loop: SampledLoop, nxt: dict[str, Array]) -> tuple[Array, Array]:
-    """Angle and velocity `reading_delay` periods ago, as the plant's sensors have them.
-
-    Between two ticks by the cubic through both angles and velocities there.
-    """
-    whole = math.floor(loop.reading_delay)
-    rest = loop.reading_delay - whole
-    q1, v1 = (nxt[name if whole == 0 else f"{name}-{whole}"] for name in "qv")
-    if not rest:
-        return q1, v1
-    q0, v0 = (nxt[f"{name}-{whole + 1}"] for name in "qv")
-    x = 1.0 - rest
-    angle = rest**2 * (1.0 + 2.0 * x) * q0 + x**2 * (1.0 + 2.0 * rest) * q1
-    return angle + loop.period * x * rest * (rest * v0 - x * v1), rest * v0 + x * v1
 
 
 def _advance(step: Transition, now: dict[str, Array], recent: Array, older: Array, load: Array) -> dict[str, Array]:

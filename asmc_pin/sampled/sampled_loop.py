@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
+from asmc_pin.controllers import TdeLaw, parameters_of
 from asmc_pin.controllers.linear_form import LinearForm, linear_form
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Acceleration as Acceleration
@@ -107,7 +108,7 @@ class SampledLoop:
         return (
             f"M̄ = {listed(self.mbar)} kg·m², K_s = {listed(self.ks)} 1/s, β = {beta} 1/s, L = {self.period:g} s, "
             f"{self.timing_words()}"
-        )
+        ) + ("" if self.law is None else f", law {type(self.law).__name__} ({settings_words(self.law)})")
 
     def timing_words(self) -> str:
         """What it makes of its sensor, and its delay, for a person to read."""
@@ -205,6 +206,18 @@ def positive_per_joint(name: str, value: ArrayLike, nv: int, unit: str) -> Array
         raise ParameterError(name, f"got {spread.tolist()}; every value must be finite and positive ({unit})")
     spread.flags.writeable = False
     return spread
+
+
+def law_settings(law: Any) -> dict[str, Any]:
+    """A law's own parameters, as JSON takes them."""
+    own = [name for name in parameters_of(type(law)) if name not in parameters_of(TdeLaw)]
+    values = {name: getattr(law, name) for name in own}
+    return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values.items()}
+
+
+def settings_words(law: Any) -> str:
+    """The same in a row."""
+    return ", ".join(f"{name} = {value}" for name, value in law_settings(law).items() if value is not None) or "none"
 
 
 def _share(corner: float | None, period: float) -> float:
