@@ -88,7 +88,11 @@ def test_the_files_tables_are_left_as_they_are():
 @pytest.mark.parametrize(
     ("path", "given", "told"),
     [
-        ("arm.paylod", {"uniform": [0.0, 1.0]}, "there is no such key: arm.paylod: unknown key: did you mean 'payload'"),
+        (
+            "arm.paylod",
+            {"uniform": [0.0, 1.0]},
+            "there is no such key: arm.paylod: unknown key: did you mean 'payload'",
+        ),
         ("plant.frction.coulomb", {"uniform": [0.0, 1.0]}, "did you mean 'friction'"),
         ("plant.friction.colomb", {"factor": {"lognormal": 0.1}}, "did you mean 'coulomb'"),
         ("controllers.PCP.beta", {"uniform": [0.0, 1.0]}, "there is no controller 'PCP': did you mean 'PPC'"),

@@ -85,7 +85,9 @@ def test_lockstep_is_a_matter_of_speed_alone_whatever_varies(axes):
 
 def test_laws_that_know_the_model_know_the_arm_of_each_trial(tmp_path):
     laws, free = {"CT": {"law": "computed_torque"}}, {"friction": {"coulomb": 0.0}}
-    made = sweep(tiny({"arm.payload": {"values": [0.0, 2.0]}}, controllers=laws, plant=free), 1, tmp_path / "s", workers=1)
+    made = sweep(
+        tiny({"arm.payload": {"values": [0.0, 2.0]}}, controllers=laws, plant=free), 1, tmp_path / "s", workers=1
+    )
     rows = whole_rows(made.out)
     assert set(rows.controller) == {"CT (knows the model)"}
     # It cancels each trial's own load, so that the errors are those of no load; 2 kg that it did not know would show.
