@@ -80,7 +80,7 @@ if TYPE_CHECKING:
     from asmc_pin.metrics import Metric as Metric
     from asmc_pin.metrics import MetricSettings as MetricSettings
     from asmc_pin.metrics import evaluate as evaluate
-    from asmc_pin.pages.summary_tables import Table as Table
+    from asmc_pin.pages.tables.text_table import Table as Table
     from asmc_pin.parameters import AsGiven as AsGiven
     from asmc_pin.parameters import OptionalPerJoint as OptionalPerJoint
     from asmc_pin.parameters import PerTrial as PerTrial

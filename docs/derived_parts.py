@@ -18,7 +18,7 @@ from asmc_pin.cli.commands.listing_commands import arm_rows, controller_rows, me
 from asmc_pin.controllers import CONTROLLERS, TdeLaw
 from asmc_pin.experiment.constructors import Signature
 from asmc_pin.experiment.plant_parts import LISTS, TABLES
-from asmc_pin.experiment.toml_keys import ArmTable, ExperimentTables, MetricsTable, PlantTable, TomlTable
+from asmc_pin.experiment.toml_keys import ArmTable, EnsembleTable, ExperimentTables, MetricsTable, PlantTable, TomlTable
 from asmc_pin.metrics import METRICS
 from asmc_pin.monitors import STATEMENTS
 from asmc_pin.pages.comparison_figures import FIGURES
@@ -220,8 +220,11 @@ def _field_rows(model: type[TomlTable], path: str, skip: Iterable[str] = ()) -> 
 @part("experiment-keys")
 def experiment_keys() -> str:
     """Every key whose name does not depend on a law or a kind."""
-    rows = _field_rows(ExperimentTables, "", skip=("plant", "metrics", "reference", "defaults", "controllers"))
-    rows += _field_rows(ArmTable, "arm.") + _field_rows(PlantTable, "plant.") + _field_rows(MetricsTable, "metrics.")
+    rows = _field_rows(
+        ExperimentTables, "", skip=("plant", "ensemble", "metrics", "reference", "defaults", "controllers")
+    )
+    rows += _field_rows(ArmTable, "arm.") + _field_rows(PlantTable, "plant.")
+    rows += _field_rows(EnsembleTable, "ensemble.") + _field_rows(MetricsTable, "metrics.")
     return table(["key", "value", "default"], rows)
 
 

@@ -23,9 +23,21 @@ from asmc_pin.arms.arm_options import (
     resolve_armature,
     resolve_locks,
 )
-from asmc_pin.arms.pinocchio_model import bare_model, carry, check_mass_matrix, last_link, set_limits
+from asmc_pin.arms.mimicking import settle_mimics
+from asmc_pin.arms.pinocchio_model import (
+    bare_model,
+    carry,
+    check_against_mujoco,
+    check_mass_matrix,
+    check_moving_links,
+    last_link,
+    loads_in_vain,
+    set_limits,
+)
 from asmc_pin.arms.pinocchio_tree import tree_of
-from asmc_pin.arms.registry import ArmEntry, find, package_dirs
+from asmc_pin.arms.reading_options import Packages, Reading, XacroArguments, read_packages, read_xacro
+from asmc_pin.arms.registry import ArmEntry, find, package_shares
+from asmc_pin.arms.robot_files import RobotFiles
 from asmc_pin.arms.urdf.magnitudes import MOVING_JOINTS
 from asmc_pin.arms.urdf.urdf_document import read_document
 from asmc_pin.arms.urdf.urdf_reading import Joint, Robot, read_robot
@@ -41,19 +53,24 @@ def load_arm(
     armature: Armature | None = None,
     lock: Lock | None = None,
     gravity: Gravity | None = None,
+    xacro: XacroArguments | None = None,
+    package: Packages | None = None,
 ) -> Arm:
     """Load an arm.
 
     Args:
-        source: Name of a known arm (`arm_names`), or path of a URDF. Meshes are not needed.
-        payload: What it carries: a mass in kg, as a point at the frame of the last moving link; or a `Payload`, or a
-            mapping with its fields, with centre, inertia and link.
+        source: Name of a known arm (`arm_names`), or of one of robot_descriptions where that is installed; or path of a
+            URDF or a xacro file. Meshes are not needed.
+        payload: What it carries: a mass in kg, as a point at the frame of the last moving link; a text ``2@tool0``, as
+            a point at that link's frame; or a `Payload`, or a mapping with its fields, with centre, inertia and link.
         armature: Reflected rotor inertia (rotor inertia times gear ratio squared), kg·m² (kg where prismatic), on the
             diagonal of M: one value, one per joint, or joint to value. Takes the place of what the arm's entry has.
         lock: Joint to value, rad (m): the joint is rigid there. Added to the entry's default locks; None or ``"free"``
             frees one.
         gravity: Acceleration of gravity in the base frame, m/s²; default (0, 0, −9.81). (0, 0, 9.81) hangs the arm
             from a ceiling.
+        xacro: Values of a xacro file's arguments.
+        package: ROS package to the folder where it lies, for a xacro file's ``$(find …)`` and for meshes.
 
     Returns:
         The arm. `Arm.warnings` says what was taken otherwise than written.
@@ -63,7 +80,13 @@ def load_arm(
         ParameterError: An option at fault.
     """
     path, entry = find(source)
-    return assemble(Recipe(read_robot(read_document(path)), entry, read_variant(payload, armature, lock, gravity)))
+    variant = read_variant(payload=payload, armature=armature, lock=lock, gravity=gravity)
+    files = RobotFiles(path.resolve().parent, read_packages(package), package_shares())
+    arguments = {**(entry.xacro if entry else {}), **read_xacro(xacro)}
+    document = read_document(path, Reading(files, arguments))
+    robot = read_robot(document)
+    check_against_mujoco(robot)
+    return assemble(Recipe(robot, files, entry, variant))
 
 
 @dataclass(frozen=True)
@@ -72,11 +95,13 @@ class Recipe:
 
     Attributes:
         robot: The checked URDF.
+        files: Where its packages and meshes are looked for.
         entry: The registry's entry, where the arm was asked for by name.
         variant: The options.
     """
 
     robot: Robot
+    files: RobotFiles
     entry: ArmEntry | None
     variant: Variant
 
@@ -106,45 +131,54 @@ def assemble(recipe: Recipe) -> Arm:
     locked = resolve_locks(robot, entry.locks if entry else {}, variant.lock)
     model = bare_model(robot, locked)
     joints = [robot.joints[name] for name in model.names[1:]]
-    names = tuple(joint.name for joint in joints)
-    _check_mimics(robot, joints, variant.lock or {})
+    followed = settle_mimics(robot, joints, variant.lock or {})
+    driven, coupling = followed.driven, followed.coupling
+    check_moving_links(robot, model, coupling)
+    names = tuple(joint.name for joint in driven)
     if len(joints) > MOVING_JOINTS:
         raise ArmError(
             robot.path,
             f"{shown(robot.path)}: has {len(joints)} moving joints, and at most {MOVING_JOINTS} are computed with; "
             "lock the rest",
         )
-    model.armature = resolve_armature(names, entry.armature if entry else {}, variant.armature)
-    model.gravity.linear = np.array(GRAVITY) if variant.gravity is None else variant.gravity
+    every = (*names, *followed.mimics)
+    rotors = resolve_armature(names, _own_armature(recipe), variant.armature, tuple(followed.mimics))
+    model.armature = rotors[[every.index(joint.name) for joint in joints]]
+    own = robot.mjcf.gravity if robot.mjcf is not None else GRAVITY
+    model.gravity.linear = np.array(own) if variant.gravity is None else variant.gravity
     set_limits(model, joints)
-    payload = variant.payload
+    payload, vain = variant.payload, []
     if payload is not None:
         payload = replace(payload, link=payload.link or last_link(robot, model))
+        vain = loads_in_vain(robot, model, coupling, payload)
         carry(robot, model, payload)
-    check_mass_matrix(robot, model)
+    check_mass_matrix(robot, model, coupling)
+    tree = tree_of(model, coupling)
     return Arm(
-        name=entry.name if entry else printable(robot.path.stem),
+        name=entry.name if entry else printable(robot.name),
         joint_names=names,
-        joint_kinds=tuple(joint.kind for joint in joints),
-        continuous=_frozen([joint.continuous for joint in joints], np.bool_),
-        lower=_frozen([joint.lower for joint in joints]),
-        upper=_frozen([joint.upper for joint in joints]),
-        effort_limit=_frozen([joint.effort for joint in joints]),
-        velocity_limit=_frozen([joint.velocity for joint in joints]),
-        friction=_frozen([joint.friction for joint in joints]),
-        damping=_frozen([joint.damping for joint in joints]),
-        armature=_frozen(model.armature),
+        joint_kinds=tuple(joint.kind for joint in driven),
+        continuous=_frozen([joint.continuous for joint in driven], np.bool_),
+        lower=_frozen([joint.lower for joint in driven]),
+        upper=_frozen([joint.upper for joint in driven]),
+        effort_limit=_frozen([joint.effort for joint in driven]),
+        velocity_limit=_frozen([joint.velocity for joint in driven]),
+        friction=_frozen([joint.friction for joint in driven]),
+        damping=_frozen([joint.damping for joint in driven]),
+        armature=tree.armature,
         gravity_vector=_frozen(model.gravity.linear),
         link_names=tuple(frame.name for frame in model.frames if frame.type == pin.FrameType.BODY),
         locked=MappingProxyType(locked),
+        mimics=MappingProxyType(dict(followed.mimics)),
         payload=payload,
-        warnings=(*robot.warnings, *_warnings(robot, joints, locked)),
+        warnings=(*robot.warnings, *_warnings(robot, driven, locked), *followed.notes, *vain),
+        provisos=robot.provisos,
         source=robot.path,
         sha256=robot.sha256,
         urdf_text=robot.text,
-        package_dirs=package_dirs(robot.path),
+        files=recipe.files,
         model=model,
-        tree=tree_of(model),
+        tree=tree,
         made_of=recipe,
     )
 
@@ -160,32 +194,28 @@ def vary(arm: Arm, changes: Mapping[str, Any]) -> Arm:
         A new arm; a joint that the new locks hold loses its armature.
     """
     robot, entry, variant = arm.made_of.robot, arm.made_of.entry, arm.made_of.variant
-    asked = read_variant(*(changes.get(name) for name in ("payload", "armature", "lock", "gravity")))
+    asked = read_variant(**changes)
     # A payload stays on its link even where the new locks make another link the last one.
     new = replace(replace(variant, payload=arm.payload), **{name: getattr(asked, name) for name in changes})
     if "lock" in changes and "armature" not in changes and variant.armature is not None:
         held = resolve_locks(robot, entry.locks if entry else {}, new.lock)
-        kept = zip(arm.joint_names, arm.armature.tolist(), strict=True)
-        new = replace(new, armature={name: value for name, value in kept if name not in held})
-    return assemble(Recipe(robot, entry, new))
+        asked_for = variant.armature
+        kept = asked_for if isinstance(asked_for, dict) else dict(zip(arm.joint_names, arm.armature, strict=True))
+        new = replace(new, armature={name: float(value) for name, value in kept.items() if name not in held})
+    return assemble(Recipe(robot, arm.files, entry, new))
+
+
+def _own_armature(recipe: Recipe) -> Mapping[str, float]:
+    """What the file or the registry's entry says; a URDF has no place for it."""
+    if recipe.robot.mjcf is not None:
+        return recipe.robot.mjcf.armature
+    return recipe.entry.armature if recipe.entry else {}
 
 
 def _frozen(values: Any, dtype: Any = np.float64) -> Any:
     array = np.array(values, dtype=dtype)
     array.setflags(write=False)
     return array
-
-
-def _check_mimics(robot: Robot, joints: Sequence[Joint], lock: Lock) -> None:
-    for joint in joints:
-        if joint.mimic is not None and joint.name not in lock:
-            master = joint.mimic.joint
-            raise ArmError(
-                robot.path,
-                f"{joint.where}: it mimics joint '{master}', and coupled joints are not supported. Lock '{master}' and "
-                f"'{joint.name}' follows: lock={{'{master}': 0.0}}. To treat them as two motors, free it: "
-                f"lock={{'{joint.name}': 'free'}}",
-            )
 
 
 def _warnings(robot: Robot, joints: Sequence[Joint], locked: Mapping[str, float]) -> list[str]:
@@ -217,6 +247,7 @@ def _warnings(robot: Robot, joints: Sequence[Joint], locked: Mapping[str, float]
             warnings.append(
                 f"joint '{name}' is locked at {value:g}, outside its limits {joint.lower:g} … {joint.upper:g}"
             )
-        if joint.mimic is not None and joint.mimic.joint not in locked:
+        follows = joint.mimic is not None and joint.mimic.multiplier != 0.0
+        if joint.mimic is not None and follows and joint.mimic.joint not in (*locked, *robot.fixed):
             warnings.append(f"joint '{name}' is locked although it mimics '{joint.mimic.joint}', which moves")
     return warnings

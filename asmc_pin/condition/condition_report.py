@@ -16,6 +16,7 @@ from asmc_pin.words.text import printable, rounded_down, rounded_up
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
+    from asmc_pin.condition.search.what_would_help import WhatWouldHelp
 
 Verdict = Literal["violated", "holds", "unrefuted", "undecided"]
 
@@ -48,6 +49,7 @@ class ConditionReport(Judged):
         scale_proven: The condition is proven for M̄ times this; None unless asked for.
         scale_refuted: A counter-example was found for M̄ times this; None unless asked for.
         method: How `lower` and `upper` were obtained, one sentence each.
+        remedy: Of a violation that a search found: the joint to blame, and what multiple of M̄ would do.
     """
 
     hypotheses: Hypotheses
@@ -72,6 +74,7 @@ class ConditionReport(Judged):
     scale_proven: float | None = None
     scale_refuted: float | None = None
     method: tuple[str, ...] = ()
+    remedy: WhatWouldHelp | None = None
 
     @property
     def box(self) -> tuple[Array, Array]:
@@ -98,6 +101,7 @@ class ConditionReport(Judged):
             *scale_lines(self.scale_proven, self.scale_refuted),
             *bound_lines(self.upper),
             *([f"worst case: {self.worst_case}"] if self.worst_case else []),
+            *(self.remedy.lines() if self.remedy is not None else []),
         ]
 
     def table(self) -> Cells:

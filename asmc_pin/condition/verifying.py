@@ -26,6 +26,7 @@ from asmc_pin.condition.hypotheses import Where
 from asmc_pin.condition.norm.two_conditions import Condition, check_condition, check_mbar
 from asmc_pin.condition.premises import hypotheses_of
 from asmc_pin.condition.search.samples import NORM
+from asmc_pin.condition.search.what_would_help import what_would_help
 from asmc_pin.condition.search.worst_case import SAMPLES, STARTS, maximise
 from asmc_pin.words.text import printable
 
@@ -131,6 +132,11 @@ def verify(
         if isinstance(along, Recording) and along.torque is not None:
             error = tde_error(first.arm, values, along, period=period)
     worst = max(outcome.seen, key=lambda item: item.norm)
+    remedy = None
+    if worst.norm >= 1.0:
+        at = worst.case, worst.q, worst.armature
+        over_box = outcome.where == "box"
+        remedy = what_would_help(all_cases, condition, values, *at, over_box=over_box, seed=seed)
     return ConditionReport(
         hypotheses=hypotheses_of(all_cases, values, condition, where=outcome.where, boxes=outcome.boxes),
         verdict="violated" if worst.norm >= 1.0 else "unrefuted",
@@ -152,6 +158,7 @@ def verify(
         worst_time=worst.when,
         tde_error=error,
         method=(outcome.method,),
+        remedy=remedy,
     )
 
 

@@ -6,12 +6,31 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from asmc_pin._typing import Array
+from asmc_pin._typing import Array, Number
 from asmc_pin.controllers.law_registry import law
-from asmc_pin.controllers.protocol import Sample, Setpoint
-from asmc_pin.controllers.tde import TdeLaw, TdeState
+from asmc_pin.controllers.one_trial.compiled_tde import MBAR, OWN, S, pole_placement
+from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
+from asmc_pin.controllers.tde import TdeLaw
+from asmc_pin.numerics.short_loops import as_written, short_loops
 from asmc_pin.parameters import PerJoint
+
+GAIN, BOUNDARY = OWN, OWN + 1
+
+
+@short_loops
+def saturated(s: Number, boundary: Number) -> Number:
+    """sat(s/Φ), in −1…1. s is clipped before the division, which therefore cannot overflow."""
+    inside: Number = np.minimum(np.maximum(s, -boundary), boundary) / boundary
+    return inside
+
+
+@trial_step
+def _step(tick: Tick, law: Array, memory: Array, work: Array, command: Array) -> None:
+    pole_placement(tick, law, memory, work, command)
+    for i in range(command.size):
+        command[i] += law[MBAR, i] * law[GAIN, i] * saturated(work[S, i], law[BOUNDARY, i])
 
 
 @law("bsmc")
@@ -31,10 +50,11 @@ class Bsmc(TdeLaw):
     gain: PerJoint = PerJoint("K", "rad/s²", at_least=0.0)
     boundary: PerJoint = PerJoint("Φ", "rad/s", above=0.0)
 
-    def step(self, state: TdeState, sample: Sample, setpoint: Setpoint) -> tuple[Array, TdeState]:
-        """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
-        torque, s, state = self.pole_placement(state, sample, setpoint)
-        return torque + self.mbar * self.gain * self.saturation(s), state
+    def own_rows(self) -> tuple[ArrayLike, ...]:
+        """K and Φ; see `_step`."""
+        return self.gain, self.boundary
+
+    trial_step: ClassVar[TrialStep | None] = _step
 
     def switching_term(self, s: Array, gain: Array) -> Array:
         """The term w = K sat(s/Φ) at the ticks of a run; see `TdeLaw.switching_term`."""
@@ -46,6 +66,5 @@ class Bsmc(TdeLaw):
         return np.asarray(self.gain / self.boundary)
 
     def saturation(self, s: Array) -> Array:
-        """sat(s/Φ), in −1…1. s is clipped before the division, which therefore cannot overflow."""
-        inside: Array = np.minimum(np.maximum(s, -self.boundary), self.boundary)
-        return inside / self.boundary
+        """sat(s/Φ), in −1…1."""
+        return np.asarray(as_written(saturated)(s, self.boundary))

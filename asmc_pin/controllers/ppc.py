@@ -9,8 +9,9 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
-from asmc_pin.controllers.protocol import Sample, Setpoint
-from asmc_pin.controllers.tde import TdeLaw, TdeState
+from asmc_pin.controllers.one_trial.compiled_tde import plain_step
+from asmc_pin.controllers.one_trial.trial_step import TrialStep
+from asmc_pin.controllers.tde import TdeLaw
 
 
 @law("ppc")
@@ -22,10 +23,7 @@ class Ppc(TdeLaw):
     equation: ClassVar[str] = "τ = τ(t−L) − M̄ q̈(t−L) + M̄ (q̈_d + K_s ė + β s)"
     reference: ClassVar[str] = "Baek, Jin, Han (2016), eq. (7)"
 
-    def step(self, state: TdeState, sample: Sample, setpoint: Setpoint) -> tuple[Array, TdeState]:
-        """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
-        torque, _, state = self.pole_placement(state, sample, setpoint)
-        return torque, state
+    trial_step: ClassVar[TrialStep | None] = plain_step
 
     def switching_term(self, s: Array, gain: Array) -> Array:
         """Nothing is added to PPC: 0 at every tick; see `TdeLaw.switching_term`."""

@@ -12,16 +12,20 @@ In the letters of Baek, Jin and Han (2016), equations by their numbers there:
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
+from asmc_pin.controllers.one_trial.compiled_law import CompiledLaw, run_step
+from asmc_pin.controllers.one_trial.compiled_tde import plain_step, surface, with_sign
+from asmc_pin.controllers.one_trial.state_rows import as_rows, from_rows
 from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.errors import ParameterError
+from asmc_pin.numerics.short_loops import as_written
 from asmc_pin.parameters import Choice, OptionalScalar, PerJoint, Scalar, match_joints
 
 PAIRINGS = ("matched", "last", "mean")
@@ -39,12 +43,12 @@ def sliding_variable(ks: Array | float, sample: Sample, setpoint: Setpoint) -> A
     Returns:
         s, shape (..., nv), rad/s; positive where the joint lags behind a reference that moves up.
     """
-    return (setpoint.v - sample.v) + ks * (setpoint.q - sample.q)
+    return np.asarray(as_written(surface)(np.asarray(ks), sample.q, sample.v, setpoint.q, setpoint.v))
 
 
 def signed(gain: Array, s: Array) -> Array:
     """The switching term K̂ sgn(s) for K̂ ≥ 0, with sgn(0) = +1 (10) and no smoothing."""
-    return np.copysign(gain, s + 0.0)  # the sum makes +0.0 of −0.0
+    return np.asarray(as_written(with_sign)(gain, s))
 
 
 class TdeState(NamedTuple):
@@ -52,10 +56,10 @@ class TdeState(NamedTuple):
 
     Attributes:
         ticks: Number of ticks taken.
-        position: q at the last tick, (batch, nv), rad; kept up only with ``acceleration="position"``.
+        position: q at the last tick, (batch, nv), rad.
         velocity: v at the last tick, or with ``acceleration="position"`` (q_k − q_{k−1})/L there, (batch, nv), rad/s.
         acceleration: The estimate of q̈(t−L) used at the last tick, filtered if a filter is set, (batch, nv), rad/s².
-        torque: What the drives reported at the last tick, (batch, nv), N·m; kept up only where two are averaged.
+        torque: What the drives reported at the last tick, (batch, nv), N·m.
     """
 
     ticks: int
@@ -78,7 +82,7 @@ class AdaptiveState(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class TdeLaw(ABC):
+class TdeLaw(CompiledLaw):
     r"""What all laws with time-delay estimation share: the parameters of PPC, eq. (7), and that equation itself.
 
     A law derives from this class and adds its own term. The attributes below say what the loop is without that term;
@@ -175,10 +179,6 @@ class TdeLaw(ABC):
         """State before the first tick, from the sample of t = 0; a law with a state of its own overrides it."""
         return self.start(sample)
 
-    @abstractmethod
-    def step(self, state: Any, sample: Sample, setpoint: Setpoint) -> tuple[Array, Any]:
-        """Torque to hold over the next period, (batch, nv), N·m, and the next state."""
-
     def start(self, sample: Sample) -> TdeState:
         """State of the estimation before the first tick.
 
@@ -195,29 +195,22 @@ class TdeLaw(ABC):
         self._check_joints(shape[1])
         return TdeState(0, sample.q.copy(), sample.v.copy(), np.zeros(shape), sample.torque.copy())
 
-    def estimate_acceleration(self, state: TdeState, sample: Sample) -> TdeState:
-        """The estimate of q̈(t−L) at this tick, in the next state of the estimation.
+    def rows(self) -> tuple[ArrayLike, ...]:
+        """The parameters as the compiled step has them: those of (7), then the law's own, see `own_rows`."""
+        by_position = self.acceleration == "position"
+        shared = (self.mbar, self.ks, self.beta, self.period, self.filter_weight, by_position, self.averages_torque)
+        return *shared, *self.own_rows()
 
-        At the first tick nothing is known and the estimate is 0: before t = 0 the arm is taken to have moved on at v_0
-        unaccelerated. With ``"position"`` that also defines the second tick, q_{−1} = q_0 − L v_0: its estimate is
-        ((q_1 − q_0)/L − v_0)/L. A filter starts from the 0 of the first tick.
-        """
-        # Copies: the caller may reuse the arrays of the sample for the next one.
-        torque = sample.torque.copy() if self.averages_torque else state.torque
-        if state.ticks == 0:
-            return TdeState(1, sample.q.copy(), sample.v.copy(), np.zeros(sample.q.shape), torque)
-        if self.acceleration == "velocity":
-            position, velocity = state.position, sample.v.copy()
-        else:
-            position = sample.q.copy()
-            velocity = (position - state.position) / self.period
-        estimate = (velocity - state.velocity) / self.period
-        if self.filter_hz is not None:
-            estimate = state.acceleration + self.filter_weight * (estimate - state.acceleration)
-        return TdeState(state.ticks + 1, position, velocity, estimate, torque)
+    def own_rows(self) -> tuple[ArrayLike, ...]:
+        """What the compiled step needs beyond the rows of (7), a scalar or (nv,) each, from row `OWN` on."""
+        return ()
+
+    def estimate_acceleration(self, state: TdeState, sample: Sample) -> TdeState:
+        """The estimate of q̈(t−L) at this tick, in the next state of the estimation; see `tde_terms`."""
+        return self.pole_placement(state, sample, Setpoint(sample.q, sample.v, sample.v))[2]
 
     def pole_placement(self, state: TdeState, sample: Sample, setpoint: Setpoint) -> tuple[Array, Array, TdeState]:
-        """The shared control (7).
+        """The shared control (7), for a law that has its step in numpy.
 
         Args:
             state: What the estimation remembers of the last tick.
@@ -227,12 +220,9 @@ class TdeLaw(ABC):
         Returns:
             The torque (7), (batch, nv), N·m; the sliding variable s (4), (batch, nv), rad/s; the next state.
         """
-        # Before t = 0 the drives are taken to have held what they hold at t = 0.
-        torque = 0.5 * (sample.torque + state.torque) if self.averages_torque else sample.torque
-        state = self.estimate_acceleration(state, sample)
-        s = sliding_variable(self.ks, sample, setpoint)
-        wanted = setpoint.a + self.ks * (setpoint.v - sample.v) + self.beta * s
-        return torque + self.mbar * (wanted - state.acceleration), s, state
+        ticks, memory = as_rows(state, sample.q.shape)
+        torque = run_step(plain_step, ticks, self.law_rows(sample.q.shape[1]), memory, sample, setpoint)
+        return torque, sliding_variable(self.ks, sample, setpoint), from_rows(state, ticks + 1, memory)
 
     def _check_joints(self, nv: int) -> None:
         if self.nv is not None and self.nv != nv:

@@ -164,6 +164,8 @@ class Experiment(Shown, ExperimentTables):
             if source not in arm_names() and beside.is_file():
                 source = str(beside)
             options = self.arm.model_dump(exclude={"source"}, exclude_none=True)
+            if "package" in options:
+                options["package"] = {name: self._folder / where for name, where in options["package"].items()}
             try:
                 self._arm = load_arm(source, **options)
             except ParameterError as error:

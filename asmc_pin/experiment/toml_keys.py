@@ -26,6 +26,8 @@ from asmc_pin.words.units import LONGEST_PERIOD, check_period
 
 MOST_CONTROLLERS = 100
 
+MOST_TRIALS = 10_000
+
 MOST_TICKS = 10_000_000
 """Longest run in control ticks: almost three hours at 1 ms, some gigabytes of trajectories for each controller."""
 
@@ -89,6 +91,15 @@ class PayloadTable(TomlTable):
 
 
 def _payload(value: Any) -> Any:
+    if isinstance(value, str):
+        from asmc_pin.arms.payload import as_payload
+
+        try:
+            load = as_payload(value)
+        except ParameterError as error:
+            raise ValueError(f"must be a mass, a text like '2@tool0' or a table, got {value!r} ({error})") from None
+        assert load is not None
+        return {"mass": load.mass, "link": load.link}
     return {"mass": value} if _is_number(value) else value
 
 
@@ -124,10 +135,13 @@ _ARMATURE_SCHEMA = {
 class ArmTable(TomlTable):
     """The arm: a name from ``asmc-pin arms``, or a URDF."""
 
-    source: str = Field(min_length=1, description="name of an arm, or path of a URDF (relative to this file)")
+    source: str = Field(
+        min_length=1, description="name of an arm, or path of a URDF or xacro file (relative to this file)"
+    )
     payload: Annotated[PayloadTable | None, BeforeValidator(_payload)] = Field(
         default=None,
-        description="kg, as a point mass at the last moving link; or a table `mass`, `com`, `inertia`, `link`",
+        description='kg, as a point mass at the last moving link; or `"2@tool0"`, at that link; or a table `mass`, '
+        "`com`, `inertia`, `link`",
     )
     armature: Annotated[
         float | list[float] | dict[str, float] | None, BeforeValidator(_armature), WithJsonSchema(_ARMATURE_SCHEMA)
@@ -143,6 +157,12 @@ class ArmTable(TomlTable):
         min_length=3,
         max_length=3,
         description="gravity in the base frame, m/s²; [0, 0, -9.81] if omitted",
+    )
+    xacro: dict[str, str | int | float | bool] | None = Field(
+        default=None, description="arguments of a xacro file: name = value"
+    )
+    package: dict[str, str] | None = Field(
+        default=None, description="ROS packages: name = folder where it lies (relative to this file)"
     )
 
 
@@ -188,6 +208,17 @@ class MetricsTable(TomlTable):
     )
     tool: str | None = Field(
         default=None, description="link or frame whose error is given in mm and rad; none if omitted"
+    )
+
+
+class EnsembleTable(TomlTable):
+    """How sure a figure is: trials that differ by less than anyone could set or measure."""
+
+    trials: int = Field(
+        default=16, ge=1, le=MOST_TRIALS, description="trials of each controller, run in lockstep; 1 for a single run"
+    )
+    q0_deviation: float = Field(
+        default=1e-6, ge=0.0, description="standard deviation of q(0) in all trials but the first, rad (m)"
     )
 
 
@@ -257,6 +288,7 @@ class ExperimentTables(TomlTable):
         default=0, ge=0, description="number of the trial that is run: with the seed it decides noise and scatter"
     )
     plant: PlantTable = Field(default_factory=PlantTable, description="the simulated world")
+    ensemble: EnsembleTable = Field(default_factory=EnsembleTable, description="how sure a figure is")
     metrics: MetricsTable = Field(default_factory=MetricsTable, description="settings of the metrics")
     reference: dict[str, Any] = Field(description="the motion to follow: kind, and the parameters of that kind")
     sweep: Annotated[dict[str, Any], WithJsonSchema(SWEEP_SCHEMA)] = Field(

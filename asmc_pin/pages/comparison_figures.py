@@ -14,13 +14,14 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from asmc_pin._typing import Array
-from asmc_pin.pages.curves import running_max, spread, thinned
+from asmc_pin.pages.curves import envelope, running_max, spread, thinned
 from asmc_pin.pages.figure_style import COLUMN, GREY, PAGE, paper_style, save
 from asmc_pin.pages.summary_tables import short_names
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.words.media import for_figure
 
 TIME = "Time [s]"
+BAND = "Lines: the first trial. Shaded, where there are several trials: 5 % to 95 % of them at each tick."
 FAR_APART = 15.0
 """From this ratio on between the laws' RMS values a linear axis would show the largest only."""
 
@@ -33,7 +34,8 @@ class Drawing(NamedTuple):
 
     Attributes:
         caption: What it shows.
-        draw: Draws it from one trial and the torque limits, shape (nv,), N·m.
+        draw: Draws it from one trial, with the bands of all where there are such, and the torque limits, shape (nv,),
+            N·m.
     """
 
     caption: str
@@ -59,7 +61,7 @@ def draw_figures(dataset: xr.Dataset, folder: Path, effort_limit: Array | None =
     """Write every figure as PDF and PNG.
 
     Args:
-        dataset: Trajectories; the first trial is shown.
+        dataset: Trajectories; the first trial is shown, and the band of all trials.
         folder: Where to; made if need be.
         effort_limit: Torque limits, shape (nv,), N·m; infinite where there is none.
 
@@ -89,7 +91,7 @@ def reference_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     return figure
 
 
-@_figure("Tracking error of every joint.")
+@_figure(f"Tracking error of every joint. {BAND}")
 def errors_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     """Tracking error of every joint, all controllers; its size on a logarithmic axis where they are far apart."""
     figure, axes = _joint_grid(dataset)
@@ -101,7 +103,9 @@ def errors_figure(dataset: xr.Dataset, limit: Array) -> Figure:
         for _, color, k in _controllers(dataset):
             if logarithmic:
                 axis.plot(*running_max(time, factor * np.abs(error[k, :, i])), color=color)
+                _largest_band(axis, dataset, k, i, factor, color)
             else:
+                _band(axis, dataset, "error", k, i, factor, color)
                 axis.plot(*thinned(time, factor * error[k, :, i]), color=color)
         if logarithmic:
             axis.set_yscale("log")
@@ -112,7 +116,7 @@ def errors_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     return figure
 
 
-@_figure("Switching gains and sliding variables.")
+@_figure(f"Switching gains and sliding variables. {BAND}")
 def gains_and_s_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     """Adaptive gain and sliding variable of every joint; gains of the laws that have one."""
     count = dataset.sizes["joint"]
@@ -129,7 +133,9 @@ def gains_and_s_figure(dataset: xr.Dataset, limit: Array) -> Figure:
         metre = "m" if dataset.joint_kind.to_numpy()[i] == "prismatic" else "rad"
         for _, color, k in _controllers(dataset):
             axes[i, -1].plot(*thinned(time, s[k, :, i]), color=color, linewidth=0.6)
+            _band(axes[i, -1], dataset, "s", k, i, 1.0, color)
             if k in adaptive:
+                _band(axes[i, 0], dataset, "gain", k, i, 1.0, color)
                 axes[i, 0].plot(*thinned(time, gains[k, :, i]), color=color)
         axes[i, -1].set_ylabel(rf"$s_{{{i + 1}}}$ [{metre}/s]")
         if adaptive:
@@ -143,7 +149,7 @@ def gains_and_s_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     return figure
 
 
-@_figure("Torque of every joint, after the drive's limits.")
+@_figure(f"Torque of every joint, after the drive's limits. {BAND}")
 def torques_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     """Torque of every joint (rows) under every controller (columns), with the limit where it is near."""
     count, controllers = dataset.sizes["joint"], list(_controllers(dataset))
@@ -156,6 +162,7 @@ def torques_figure(dataset: xr.Dataset, limit: Array) -> Figure:
         for label, color, k in controllers:
             axis = axes[i, k]
             axis.plot(*thinned(time[:-1], torque[k, :-1, i], points=600), color=color, linewidth=0.5)
+            _band(axis, dataset, "torque", k, i, 1.0, color)
             if largest > 0.6 * limit[i]:
                 for side in (-limit[i], limit[i]):
                     axis.axhline(side, color=GREY, linestyle="--", linewidth=0.6)
@@ -167,6 +174,22 @@ def torques_figure(dataset: xr.Dataset, limit: Array) -> Figure:
         axis.set_xlabel(TIME)
     _whole_run(figure, time)
     return figure
+
+
+def _band(axis: Axes, dataset: xr.Dataset, name: str, k: int, joint: int, factor: float, color: str) -> None:
+    """Shade where nine of ten trials lie; nothing of a single trial."""
+    if f"{name}_low" in dataset:
+        low, high = (factor * dataset[f"{name}_{end}"].to_numpy()[k, :, joint] for end in ("low", "high"))
+        axis.fill_between(*envelope(dataset.time.to_numpy(), low, high), color=color, alpha=0.25, linewidth=0.0)
+
+
+def _largest_band(axis: Axes, dataset: xr.Dataset, k: int, joint: int, factor: float, color: str) -> None:
+    """The same of the largest error in each window, as the line beside it shows it."""
+    if "error_size_low" in dataset:
+        time = dataset.time.to_numpy()
+        ends = [factor * dataset[f"error_size_{end}"].to_numpy()[k, :, joint] for end in ("low", "high")]
+        (middle, low), (_, high) = (running_max(time, end) for end in ends)
+        axis.fill_between(middle, low, high, color=color, alpha=0.25, linewidth=0.0)
 
 
 def _joint_grid(dataset: xr.Dataset) -> tuple[Figure, list[Axes]]:

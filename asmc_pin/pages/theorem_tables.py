@@ -8,7 +8,7 @@ import pandas as pd
 
 from asmc_pin.monitors import CAUSES, STATEMENTS
 from asmc_pin.monitors.claim_texts import tick_share, verdict_text
-from asmc_pin.pages.summary_tables import Table, markdown_table, number
+from asmc_pin.pages.tables.text_table import Table, markdown_table, number
 from asmc_pin.words.media import for_latex, for_markdown
 
 TITLE = "The paper's theorems, held against these runs"

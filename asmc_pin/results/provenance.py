@@ -14,6 +14,7 @@ from typing import Any
 
 from asmc_pin.arms import Arm
 from asmc_pin.experiment import Experiment
+from asmc_pin.words.provisos import provisos_json
 
 # What the figures depend on.
 PACKAGES = (
@@ -50,7 +51,12 @@ def provenance(
             "folder": _way(experiment.folder, folder),
             "sha256": _digest(experiment.to_toml().encode()),
         },
-        "arm": {"name": arm.name, "urdf": arm.source.name, "sha256": arm.sha256},
+        "arm": {
+            "name": arm.name,
+            "urdf": arm.source.name,
+            "sha256": arm.sha256,
+            **(_made(arm) if arm.provisos else {}),
+        },
         "seed": experiment.seed,
         "started": started.isoformat(timespec="seconds"),
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -64,6 +70,11 @@ def provenance(
             if path.is_file()
         },
     }
+
+
+def _made(arm: Arm) -> dict[str, Any]:
+    """Of an arm that is not as its file says: how, and the hash of what was computed with (``arm.urdf``)."""
+    return {"provisos": provisos_json(arm.provisos), "urdf_sha256": _digest(arm.urdf_text.encode())}
 
 
 def _way(there: Path, result: Path) -> str | None:

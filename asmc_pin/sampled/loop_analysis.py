@@ -12,7 +12,6 @@ from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, LockChoices, PayloadRange
 from asmc_pin.condition.domain.joint_box import BoxLike
-from asmc_pin.condition.premises import worst_keys
 from asmc_pin.errors import ParameterError
 from asmc_pin.sampled.critical_points import critical_set
 from asmc_pin.sampled.frozen_arms import FrozenArms, frozen_arms
@@ -21,9 +20,8 @@ from asmc_pin.sampled.noise.sensor_model import LoopSensor
 from asmc_pin.sampled.noise.sensor_noise import LoopNoise, loop_noise
 from asmc_pin.sampled.remedies import remedy
 from asmc_pin.sampled.sampled_loop import Acceleration, Pairing, SampledLoop, positive_per_joint
-from asmc_pin.sampled.stability_report import StabilityReport, WorstFound, angles
+from asmc_pin.sampled.stability_report import StabilityReport, WorstFound
 from asmc_pin.sampled.workspace_worst import Workspace, workspace_of
-from asmc_pin.words.text import printable
 from asmc_pin.words.units import check_delay, check_period
 
 if TYPE_CHECKING:
@@ -154,16 +152,8 @@ def spaces_of(arms: FrozenArms, *, samples: int, seed: int, viscous: Array | Non
 
 
 def _found(arms: FrozenArms, radius: float, point: Array) -> WorstFound:
-    about = arms.about
-    where = worst_keys(about, arms.arm_of(point), arms.armature(point))
-    said = []
-    if about.payload is not None and isinstance(about.payload.mass, tuple):
-        said.append(f"payload {where['worst_payload']['mass']:.3g} kg")
-    if any(isinstance(value, tuple) for value in about.armature):
-        said.append(f"armature {angles(arms.armature(point))} kg·m²")
-    if "worst_locked" in where:
-        said.append(", ".join(f"{printable(name)} at {angle:g}" for name, angle in where["worst_locked"].items()))
-    return WorstFound(radius, arms.q(point), where, f" ({', '.join(said)})" if said else "")
+    where, said = arms.place(point)
+    return WorstFound(radius, arms.q(point), where, f" ({said})" if said else "")
 
 
 def loop_for(arm: Arm, mbar: ArrayLike, ks: ArrayLike, beta: ArrayLike, period: float, **timing: Any) -> SampledLoop:

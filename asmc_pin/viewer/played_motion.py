@@ -77,6 +77,8 @@ def describe(
                 {
                     "parent": body.parent,
                     "joint": body.joint,
+                    "ratio": body.ratio,
+                    "offset": body.offset,
                     "prismatic": body.prismatic,
                     "axis": _rounded(body.axis),
                     "placement": _rounded(body.placement.T),
@@ -89,9 +91,7 @@ def describe(
         "commands": [
             mesh_command(f"body{k}", body.mesh) if len(body.mesh.faces) else None for k, body in enumerate(arm.bodies)
         ],
-        "joints": [
-            {"name": name, "prismatic": body.prismatic} for name, body in zip(joint_names, arm.bodies[1:], strict=True)
-        ],
+        "joints": [{"name": name, "prismatic": slides} for name, slides in zip(joint_names, arm.slides, strict=True)],
         "duration": duration,
         "motions": [
             {

@@ -10,7 +10,7 @@ from short_experiment import SHORT
 
 from asmc_pin.cli import main
 from asmc_pin.cli.commands.study_commands import print_comparison
-from asmc_pin.pages.summary_tables import Table
+from asmc_pin.pages.tables.text_table import Table
 
 UR5 = (
     "0.14832641607830951,0.16745534835366926,0.15042781767398009,"

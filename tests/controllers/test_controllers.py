@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from law_settings import required_of
 
 from asmc_pin.controllers import (
     CONTROLLERS,
-    REQUIRED,
     Baek2016,
     Bsmc,
     ParameterInfo,
@@ -26,12 +26,14 @@ from asmc_pin.controllers import (
     Ppc,
     Sample,
     Setpoint,
+    TdeLaw,
     controllers_table,
     describe_laws,
-    parameters_of,
     signed,
     sliding_variable,
 )
+from asmc_pin.controllers.one_trial.state_rows import as_rows
+from asmc_pin.controllers.one_trial.trial_step import WORK_ROWS, Tick
 from asmc_pin.errors import ParameterError
 
 SHARED = {"mbar": [0.5, 2.0], "ks": [2.0, 4.0], "beta": 3.0, "period": 0.5}
@@ -290,9 +292,13 @@ def test_baek_gain_is_the_explicit_euler_step_of_its_law(gain: float, s: float, 
 
 def built(name: str, nv: int, **changes: object) -> object:
     """A registered law; what it requires of its own is 0.4, so that a new law is under test once it is registered."""
-    law = CONTROLLERS[name]
-    own = {key: 0.4 for key, item in parameters_of(law).items() if item.default is REQUIRED}
-    return law(**(own | {"mbar": np.linspace(0.1, 0.3, nv), "ks": 3.0, "beta": 2.0, "period": 0.01} | changes))
+    return CONTROLLERS[name](
+        **(
+            required_of(name, 0.4)
+            | {"mbar": np.linspace(0.1, 0.3, nv), "ks": 3.0, "beta": 2.0, "period": 0.01}
+            | changes
+        )
+    )
 
 
 @pytest.mark.parametrize("pairing", ["last", "mean"])
@@ -352,6 +358,27 @@ def test_steps_are_pure(name: str, acceleration: str, pairing: str) -> None:
         # The state keeps no view of the sample: a caller may write the next one into the same arrays.
         assert not any(np.shares_memory(a, b) for a in leaves(following) for b in (x.q, x.v, x.torque))
         state = following
+
+
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_a_compiled_step_is_the_step_that_is_written_and_writes_no_parameter(name: str) -> None:
+    law = built(name, 3, acceleration="position", filter_hz=20.0)
+    if law.trial_step is None:  # a law that has its step in numpy
+        return
+    rows = law.law_rows(3)
+    before = rows.copy()
+    ticks = random_ticks(1, 3, 20)
+    state = law.init(ticks[0][0])
+    _, memory = as_rows(state, (1, 3))
+    work, command = np.full((WORK_ROWS, 3), np.nan), np.full(3, np.nan)
+    for k, (x, wanted) in enumerate(ticks):
+        torque, state = law.step(state, x, wanted)
+        tick = Tick(k, x.q[0], x.v[0], x.torque[0], wanted.q[0], wanted.v[0], wanted.a[0])
+        law.trial_step.function(tick, rows[0], memory[0], work, command)
+        np.testing.assert_allclose(torque[0], command, rtol=1e-12)
+        np.testing.assert_allclose(as_rows(state, (1, 3))[1], memory, rtol=1e-12, atol=1e-15)
+        work[:], command[:] = np.nan, np.nan  # nothing of them is known at the next tick
+    np.testing.assert_array_equal(rows, before)
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
@@ -425,6 +452,25 @@ def test_the_slope_of_a_boundary_layer_is_that_of_the_switching_term_at_0(name: 
         return
     rise = law.switching_term(at, np.full_like(at, np.nan)) - law.switching_term(-at, np.full_like(at, np.nan))
     np.testing.assert_allclose(rise[0, 0] / (2.0 * step), np.broadcast_to(law.boundary_slope, (2,)), rtol=1e-9)
+
+
+def test_a_class_that_has_a_step_of_its_own_is_not_run_by_that_of_the_law_it_derives_from() -> None:
+    class Bare(Baek2016):
+        def step(self, state: object, x: Sample, wanted: Setpoint) -> tuple[np.ndarray, object]:
+            return 0.0 * x.q, state
+
+    class Same(Baek2016):
+        pass
+
+    own = {"phi": 1.0, "alpha": 1.0, "epsilon": 1.0}
+    assert Bare(**SHARED, **own).trial_step is None
+    assert Same(**SHARED, **own).trial_step is Baek2016.trial_step
+    assert torques(Bare(**SHARED, **own)) == [[0.0, 0.0]] * 3
+
+
+def test_a_law_without_a_step_says_so() -> None:
+    with pytest.raises(NotImplementedError, match="neither a trial_step nor a step"):
+        torques(TdeLaw(**SHARED))
 
 
 def test_bsmc_has_a_boundary_layer_and_ppc_has_none() -> None:
@@ -534,8 +580,8 @@ def test_the_table_lists_every_law_with_its_own_parameters() -> None:
     known = {
         "ppc": [],
         "bsmc": ["gain", "boundary"],
-        "plestan2010": ["rate", "epsilon", "floor"],
-        "baek2016": ["phi", "alpha", "epsilon", "threshold"],
+        "plestan2010": ["rate", "epsilon", "floor", "switching", "share"],
+        "baek2016": ["phi", "alpha", "epsilon", "threshold", "switching", "share"],
     }
     assert {name: own[name] for name in known} == known
     assert all(all(row.values()) for row in controllers_table())

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from law_settings import required_of
 from plant_cases import Accelerating, Still, Waving, slider
 
 from asmc_pin.arms import Arm, load_arm
@@ -15,14 +16,12 @@ from asmc_pin.baselines import PdGravity
 from asmc_pin.condition import lemma1_norm
 from asmc_pin.controllers import (
     CONTROLLERS,
-    REQUIRED,
     Baek2016,
     Bsmc,
     Plestan2010,
     Ppc,
     Sample,
     Setpoint,
-    parameters_of,
 )
 from asmc_pin.engine import Rollout, rollout
 from asmc_pin.errors import ParameterError
@@ -43,8 +42,7 @@ SMOOTH = Friction(0.0, 0.0)
 
 def law_of(name: str, period: float = 1e-3, **options: Any) -> Any:
     """A registered law; what it requires of its own is 0.4 where OWN has no values that make it work hard."""
-    required = {key: 0.4 for key, item in parameters_of(CONTROLLERS[name]).items() if item.default is REQUIRED}
-    own = required | {"mbar": [0.08, 0.03], "period": period} | SHARED | OWN.get(name, {})
+    own = required_of(name, 0.4) | {"mbar": [0.08, 0.03], "period": period} | SHARED | OWN.get(name, {})
     return CONTROLLERS[name](**(own | options))
 
 

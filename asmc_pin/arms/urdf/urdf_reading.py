@@ -16,10 +16,12 @@ from lxml import etree
 
 from asmc_pin._typing import Array
 from asmc_pin.arms.urdf.magnitudes import FRICTION, LIMIT
+from asmc_pin.arms.urdf.mjcf_conversion import MjcfModel
 from asmc_pin.arms.urdf.rigid_inertia import inertia_problem
 from asmc_pin.arms.urdf.urdf_document import Document
 from asmc_pin.arms.urdf.urdf_structure import MOVING, NUMBERS, check_structure, where
 from asmc_pin.errors import ArmError
+from asmc_pin.words.provisos import Proviso
 
 # Pinocchio wants to see a range at every joint; nothing reads this one, `Joint` has the real limits.
 _WIDE = "1e6"
@@ -76,17 +78,21 @@ class Robot:
 
     Attributes:
         path: The file.
-        text: The file as it stands.
-        sha256: Hex digest of its bytes.
+        name: What to call it: the file's stem, and of a file that stands for several robots what it came to.
+        text: See `Document`.
+        sha256: Hex digest of the file's bytes.
         joints: Joints that can move, by name.
         fixed: Names of the joints that cannot.
         links: Names of the links.
         xml: The same robot for Pinocchio: dynamics only, every continuous joint an unbounded revolute one, and
             `JOINT_PREFIX` before every joint's name.
         warnings: What was taken otherwise than written.
+        provisos: See `Document`.
+        mjcf: See `Document`.
     """
 
     path: Path
+    name: str
     text: str
     sha256: str
     joints: Mapping[str, Joint]
@@ -94,6 +100,8 @@ class Robot:
     links: tuple[str, ...]
     xml: str
     warnings: tuple[str, ...]
+    provisos: tuple[Proviso, ...]
+    mjcf: MjcfModel | None
 
 
 def _stripped(document: Document) -> Any:
@@ -227,6 +235,7 @@ def read_robot(document: Document) -> Robot:
     warnings = _check_inertias(document, raw.links)
     return Robot(
         path=document.path,
+        name=root.get("name") if document.expanded else document.path.stem,
         text=document.text,
         sha256=document.sha256,
         joints={j.name: _joint(document, j, elements[j.name]) for j in raw.joints if j.type in MOVING},
@@ -234,4 +243,6 @@ def read_robot(document: Document) -> Robot:
         links=tuple(link.name for link in raw.links),
         xml=_pinocchio_xml(root),
         warnings=tuple(warnings),
+        provisos=document.provisos,
+        mjcf=document.mjcf,
     )

@@ -122,17 +122,29 @@ def print_comparison(comparison: Comparison) -> None:
     console = rich_console()
     overview = comparison.overview()
     header = list(map(visible, overview.header))
-    rows = [list(map(visible, row)) for row in overview.rows]
+    # The range of a figure over the trials stands below it.
+    rows = [
+        [
+            visible(cell) + ("\n" + "…".join(overview.ranges[i, j]) if (i, j) in overview.ranges else "")
+            for j, cell in enumerate(row)
+        ]
+        for i, row in enumerate(overview.rows)
+    ]
     columns = list(zip(*rows, strict=True))
 
     def width() -> int:
-        cells = ([*head.split("\n"), *column] for head, column in zip(header, columns, strict=True))
+        cells = (
+            [*head.split("\n"), *(line for cell in column for line in cell.split("\n"))]
+            for head, column in zip(header, columns, strict=True)
+        )
         return sum(max(map(len, column)) + 1 for column in cells)
 
     # Where the terminal is narrow, headings are broken at their spaces and underscores, and that of the labels goes, so
     # that seven joints fit 80 columns; a label or a figure is never cut.
     if width() > console.width:
         header = ["", *header[1:]]
+        rows = [[cell.replace("…", "…\n") for cell in row] for row in rows]
+        columns = list(zip(*rows, strict=True))
         header = [head.replace(" ", "\n").replace("_", "_\n") for head in header]
         console.width = max(console.width, width())
     table = Table(*header, title=overview.title, title_justify="left", box=None, pad_edge=False, collapse_padding=True)

@@ -12,6 +12,7 @@ from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
 from asmc_pin.condition.certificate.certificate_result import CertificateResult, Verdict
 from asmc_pin.condition.certificate.compiled.bisection_tree import LEAF
+from asmc_pin.condition.certificate.stopping import INTERRUPTED
 from asmc_pin.condition.certificate.strategy import ProofProgress, Prover
 from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.certificate.worst_known import Worst
@@ -128,7 +129,7 @@ def certify(
             if levels and prover.scale >= 1.0:
                 prover.lower_level(max(2.0, 2.0 * (time.monotonic() - began)))
     except KeyboardInterrupt:
-        prover.reason = "interrupted"
+        prover.reason = INTERRUPTED
     upper = prover.level if prover.level is not None else (1.0 if prover.scale >= 1.0 else None)
     verdict: Verdict = "undecided"
     if worst.norm >= asked or (asked == 1.0 and worst.scale <= 1.0):
@@ -157,7 +158,7 @@ def certify(
         seconds=clock.seconds(),
         history=tuple(prover.history),
         reason=prover.reason,
-        notes=_notes(all_cases[0]),
+        notes=(*_notes(all_cases[0]), *([f"not proven; {prover.unable}"] if prover.unable and upper is None else [])),
         cases=all_cases,
         proofs=proofs,
     )

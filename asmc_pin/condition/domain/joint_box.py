@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from asmc_pin._typing import Array, BoolArray
+from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.arms.urdf.magnitudes import LIMIT
 from asmc_pin.condition.hypotheses import WHOLE_TURN
 from asmc_pin.errors import ParameterError
@@ -30,7 +30,8 @@ class Box:
     Attributes:
         lower: Shape (nv,), rad (m where prismatic).
         upper: The same.
-        periodic: Joints whose range is a full turn, so that its ends are the same configuration.
+        periodic: Joints whose range is a full turn, so that its ends are the same configuration; none whose followers
+            would be elsewhere.
         idle: Joints that M does not depend on, because they carry the whole arm.
     """
 
@@ -48,6 +49,10 @@ class Box:
     def centre(self) -> Array:
         """The middle of the box, shape (nv,)."""
         return 0.5 * (self.lower + self.upper)
+
+    def of(self, joints: IntArray) -> Box:
+        """The box of some of the joints."""
+        return Box(self.lower[joints], self.upper[joints], self.periodic[joints], self.idle[joints])
 
     def wrap(self, q: Array) -> Array:
         """The configuration of the box that is q up to whole turns of periodic joints; others are clipped."""
@@ -99,11 +104,13 @@ def resolve_box(arm: Arm, box: BoxLike = None) -> Box:
             raise ParameterError(
                 "box", f"the range {lo:g}:{hi:g} given for joint '{name}', ends within ±{LIMIT:g} expected"
             )
-    periodic = kinds & (upper - lower >= WHOLE_TURN)
+    periodic = kinds & (upper - lower >= WHOLE_TURN) & arm.returns
     middle = 0.5 * (lower + upper)
     lower = np.where(periodic, middle - np.pi, lower)
     upper = np.where(periodic, middle + np.pi, upper)
-    return Box(lower, upper, periodic, np.asarray(arm.tree.parent < 0))
+    coordinate = arm.tree.coupling.coordinate
+    idle = np.array([bool(np.all(arm.tree.parent[coordinate == i] < 0)) for i in range(arm.nv)], dtype=np.bool_)
+    return Box(lower, upper, periodic, idle)
 
 
 def _named(arm: Arm, box: Mapping[str, Sequence[float]]) -> tuple[Array, Array]:

@@ -12,7 +12,8 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
 from asmc_pin.condition.certificate.compiled.bisection_tree import LEAF
-from asmc_pin.condition.certificate.strategy import ProofProgress
+from asmc_pin.condition.certificate.stopping import INTERRUPTED
+from asmc_pin.condition.certificate.strategy import ProofProgress, unprovable
 from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.certificate.writing import Proof, seen
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases
@@ -87,7 +88,7 @@ def bounds(
     clock = Clock()
     extremes = [Extreme(all_cases, weights, side, samples=_SAMPLES, starts=_STARTS, seed=seed) for side in _SIDES]
     proven: list[float | None] = [None, None]
-    reasons = ["interrupted", "interrupted"]
+    reasons = [INTERRUPTED, INTERRUPTED]
     proofs: list[Proof] = []
     tests = sum(extreme.evaluations for extreme in extremes)
     try:
@@ -104,7 +105,7 @@ def bounds(
             try:
                 prover.raise_scale(gap)
             finally:
-                proven[k], reasons[k] = prover.bound, prover.reason or "interrupted"
+                proven[k], reasons[k] = prover.bound, prover.reason or INTERRUPTED
                 proofs += prover.proofs.get("scale", ())
                 tests += prover.tests
     except KeyboardInterrupt:
@@ -153,12 +154,14 @@ def _condition_number(
 
 
 def _coriolis(all_cases: Sequence[Case], scaling: Array, high: float | None, seed: int) -> Bound:
+    seen_largest = largest_velocity_forces(all_cases, scaling, seed)
+    if unprovable(all_cases):
+        return Bound(None, seen_largest.value, seen_largest.q)
     # Velocity forces are affine in a payload's mass, and a norm is convex: the ends of a range cover it.
     proven = max(
         velocity_force_bound(domain.arm.tree, domain.box.lower, domain.box.upper, scaling, high)
         for domain in (case.domain for case in all_cases)
     )
-    seen_largest = largest_velocity_forces(all_cases, scaling, seed)
     return Bound(proven, seen_largest.value, seen_largest.q)
 
 

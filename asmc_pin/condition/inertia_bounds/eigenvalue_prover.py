@@ -100,6 +100,11 @@ class EigenvalueProver(Prover):
             self.scale, self._exact = self._scale_of(bound), bound
         return outcome
 
+    def why_not(self, bound: float) -> str:
+        """Why `try_bound` was blocked at that bound."""
+        scale = self._scale_of(bound)
+        return self.why_blocked(self._share.scale - scale, scale)
+
     def _at(self, scale: float) -> float:
         return self._share.unit * scale if self._side == "least" else self._share.unit / scale
 

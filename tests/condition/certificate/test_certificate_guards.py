@@ -390,7 +390,7 @@ def test_an_inertia_that_is_not_positive_definite_is_no_arm_to_verify(two_link: 
         with pytest.raises(NotPositiveDefinite):
             run(bad, 0.01)  # type: ignore[operator]
     with pytest.raises(NotPositiveDefinite):
-        evaluate(0, bad, np.zeros((1, 2)), np.full(2, 0.01))
+        evaluate(0, bad.tree, np.zeros((1, 2)), np.full(2, 0.01))
 
 
 @pytest.mark.parametrize("kind", ["weighted", "lemma1"])
