@@ -57,7 +57,7 @@ def replay(
         quantities[axis.path] = _failing(plan, folder, trial, axis.scan)
     tables = variation.tables(quantities)
     name = f"{experiment.name}-trial-{trial}"[-100:]
-    single = experiment.replace(**{**tables, "name": name, "trial": draw, "sweep": None})
+    single = experiment.replace(**{**tables, "name": name, "trial": draw, "sweep": None, "ensemble": {"trials": 1}})
     made = compare(single, folder / "replay" / str(trial), force=True, progress=progress, warn=warn)
     if axis is None:
         _check_same(made, _rows_of(plan, folder, trial))

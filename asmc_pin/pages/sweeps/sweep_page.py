@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from asmc_pin.disk.files import write_whole
+from asmc_pin.experiment.toml_text import toml_value
 from asmc_pin.pages.html_fragments import details, table_html
 from asmc_pin.pages.plates import Plate, framed, is_html, write_beside
-from asmc_pin.pages.summary_tables import Table, markdown_table
 from asmc_pin.pages.sweeps.sweep_figures import sweep_plates
 from asmc_pin.pages.sweeps.sweep_findings import SweepFindings
 from asmc_pin.pages.sweeps.sweep_tables import (
@@ -22,6 +22,7 @@ from asmc_pin.pages.sweeps.sweep_tables import (
     shown_points,
     verdict_lines,
 )
+from asmc_pin.pages.tables.text_table import Table, markdown_table
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.words.media import for_html, for_markdown
 
@@ -42,7 +43,7 @@ def _facts(findings: SweepFindings) -> Iterator[str]:
         f"seed {experiment.seed}"
     )
     for axis, given in experiment.sweep.items():
-        yield f"varies: {axis} = {given}"
+        yield f"varies: {toml_value(axis)} = {toml_value(given)}"
     yield from verdict_lines(findings)
     yield from failure_lines(findings)
 

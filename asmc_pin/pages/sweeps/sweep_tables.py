@@ -9,8 +9,8 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.metrics import METRICS, QUANTITIES
-from asmc_pin.pages.summary_tables import NOTHING, Table, number
 from asmc_pin.pages.sweeps.sweep_findings import FAILURE, Compared, SweepFindings
+from asmc_pin.pages.tables.text_table import NOTHING, Table, number
 from asmc_pin.statistics.order_statistics import spread_of
 
 HOW_SCORED = (
