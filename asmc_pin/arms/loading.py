@@ -27,7 +27,6 @@ from asmc_pin.arms.arm_options import (
 from asmc_pin.arms.bodies.moving_bodies import MovingBody, check_bodies, moving_bodies
 from asmc_pin.arms.bodies.repairing import repaired
 from asmc_pin.arms.joint_choice import longest_chain, named_locks
-from asmc_pin.arms.mimicking import Followed, settle_mimics
 from asmc_pin.arms.pinocchio_model import (
     bare_model,
     carry,
@@ -43,6 +42,7 @@ from asmc_pin.arms.reading_options import Packages, Reading, XacroArguments, rea
 from asmc_pin.arms.registry import ArmEntry, find, package_shares
 from asmc_pin.arms.robot_files import RobotFiles
 from asmc_pin.arms.urdf.magnitudes import MOVING_JOINTS
+from asmc_pin.arms.urdf.mimicking import Followed, settle_mimics
 from asmc_pin.arms.urdf.urdf_document import read_document
 from asmc_pin.arms.urdf.urdf_reading import Joint, Robot, read_robot
 from asmc_pin.disk.reading import shown
