@@ -24,9 +24,10 @@ from asmc_pin.arms.arm_options import (
     resolve_armature,
     resolve_locks,
 )
+from asmc_pin.arms.bodies.moving_bodies import MovingBody, check_bodies, moving_bodies
+from asmc_pin.arms.bodies.repairing import repaired
 from asmc_pin.arms.joint_choice import longest_chain, named_locks
 from asmc_pin.arms.mimicking import Followed, settle_mimics
-from asmc_pin.arms.moving_bodies import MovingBody, check_bodies, moving_bodies
 from asmc_pin.arms.pinocchio_model import (
     bare_model,
     carry,
@@ -40,7 +41,6 @@ from asmc_pin.arms.pinocchio_model import (
 from asmc_pin.arms.pinocchio_tree import tree_of
 from asmc_pin.arms.reading_options import Packages, Reading, XacroArguments, read_packages, read_xacro
 from asmc_pin.arms.registry import ArmEntry, find, package_shares
-from asmc_pin.arms.repairing import repaired
 from asmc_pin.arms.robot_files import RobotFiles
 from asmc_pin.arms.urdf.magnitudes import MOVING_JOINTS
 from asmc_pin.arms.urdf.urdf_document import read_document
@@ -194,7 +194,7 @@ def assemble(recipe: Recipe) -> Arm:
         raise ArmError(
             robot.path,
             f"{shown(robot.path)}: has {len(joints)} moving joints, and at most {MOVING_JOINTS} are computed with. "
-            f"Keep one arm of it, {chain_words(*longest_chain(robot))}, or lock some, by name or pattern: "
+            f"Keep one arm of it, {chain_words(*longest_chain(robot))}, or lock some, by name or pattern as in "
             f"{lock_words({'left_*': 0.0})}",
         )
     check_bodies(robot, bodies, coupling)

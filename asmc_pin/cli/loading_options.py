@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import inspect
+import shlex
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_type_hints
@@ -245,9 +246,9 @@ def tell_doubts(arm: Arm, source: str) -> None:
 
     doubts = serious_doubts(arm)
     for doubt in doubts:
-        note(f"doubt: {doubt.text}")
+        note(f"warning: doubtful: {doubt.text}")
     if doubts:
-        note(f"'asmc-pin inspect {source}' shows what was read")
+        note(f"warning: see 'asmc-pin inspect {shlex.quote(source)}' for what was read")
 
 
 def single_keywords(loading: LoadingOptions) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from asmc_pin.arms.at_a_glance import least_felt
+from asmc_pin.arms.bodies.at_a_glance import least_felt
 from asmc_pin.inspection.subject_of_doubt import Doubt, SubjectOfDoubt, some
 
 _ROUND = {base * 10.0**power for power in range(-6, 2) for base in (1.0, 2.0, 5.0)}

@@ -9,7 +9,7 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
-from asmc_pin.arms.at_a_glance import axes_at_zero
+from asmc_pin.arms.bodies.at_a_glance import axes_at_zero
 from asmc_pin.arms.loading import Recipe, Unjudged, assemble, put_together, recipe_of
 from asmc_pin.arms.urdf.urdf_document import parsed_again
 from asmc_pin.errors import ArmError

@@ -20,6 +20,13 @@ from asmc_pin.errors import ParameterError
 
 RESAMPLES = 2999
 LEVEL = 0.95
+LARGEST_JACKKNIFE = 5000
+"""Size of a sample above which an interval is the bootstrap's percentiles: BCa's jackknife costs n², and what it
+corrects shrinks with 1/√n."""
+
+_AT_ONCE = 2**22
+"""Numbers that are resampled at once where a sample is large; a hundred thousand trials would take gigabytes."""
+
 FEWEST = 6
 """Trials from which on a paired test can reach 5 % at all: 2 · 2⁻⁶ is below it, 2 · 2⁻⁵ is not."""
 
@@ -98,7 +105,7 @@ def bca_interval(
     """Bias-corrected and accelerated bootstrap interval of a statistic, by `scipy.stats.bootstrap`.
 
     Efron (1987), Better Bootstrap Confidence Intervals, JASA 82(397). A sample of equal values has no spread: its
-    interval is the statistic itself.
+    interval is the statistic itself. One of more than `LARGEST_JACKKNIFE` values has the percentiles.
 
     Args:
         sample: Shape (n,), finite.
@@ -110,7 +117,8 @@ def bca_interval(
     if len(sample) < 2 or np.ptp(sample) <= 1e-14 * np.max(np.abs(sample)):
         value = float(statistic(sample, axis=-1))
         return value, value
-    ends = _bootstrapped(sample, statistic, seed, level, resamples, "BCa")
+    large = len(sample) > LARGEST_JACKKNIFE
+    ends = _bootstrapped(sample, statistic, seed, level, resamples, "percentile" if large else "BCa")
     if not np.isfinite(ends).all():  # the jackknife has no skewness to correct by
         ends = _bootstrapped(sample, statistic, seed, level, resamples, "percentile")
     return ends
@@ -127,6 +135,7 @@ def _bootstrapped(
             axis=-1,
             confidence_level=level,
             n_resamples=resamples,
+            batch=None if len(sample) <= LARGEST_JACKKNIFE else max(1, _AT_ONCE // len(sample)),
             method=method,
             rng=np.random.default_rng(seed),
         ).confidence_interval
@@ -135,10 +144,14 @@ def _bootstrapped(
 
 def _median_interval(logs: Array, seed: int) -> tuple[float, float, float]:
     """Median of values that may be infinite, and the percentiles of its resamples; order statistics only."""
-    draws = np.random.default_rng(seed).integers(0, len(logs), (RESAMPLES, len(logs)))
-    # Lower and upper median are taken apart: their mean is undefined between −∞ and +∞.
-    ordered = np.sort(logs[draws], axis=1)
-    lower, upper = (np.sort(ordered[:, k]) for k in ((len(logs) - 1) // 2, len(logs) // 2))
+    source, middles = np.random.default_rng(seed), [(len(logs) - 1) // 2, len(logs) // 2]
+    found = np.empty((0, 2))
+    while len(found) < RESAMPLES:
+        some = min(max(1, _AT_ONCE // len(logs)), RESAMPLES - len(found))
+        draws = source.integers(0, len(logs), (some, len(logs)))
+        # Lower and upper median are taken apart: their mean is undefined between −∞ and +∞.
+        found = np.vstack([found, np.partition(logs[draws], middles, axis=1)[:, middles]])
+    lower, upper = np.sort(found, axis=0).T
     tail = 0.5 * (1.0 - LEVEL)
     own = np.sort(logs)
     ends = own[(len(logs) - 1) // 2], own[len(logs) // 2]

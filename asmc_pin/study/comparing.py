@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import json
 import math
-import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -21,7 +20,7 @@ from asmc_pin.baselines import shown_label
 from asmc_pin.clock import Clock
 from asmc_pin.controllers import Controller
 from asmc_pin.engine import Rollout, rollout
-from asmc_pin.errors import AsmcPinError, ExperimentError, ParameterError
+from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment import Experiment
 from asmc_pin.pages.comparison_figures import draw_figures
 from asmc_pin.pages.latex_table import latex_table
@@ -33,6 +32,7 @@ from asmc_pin.results.provenance import provenance
 from asmc_pin.study.comparison import Comparison, summary_rows
 from asmc_pin.study.comparison_notes import after_the_run, before_the_run, lemma1_along
 from asmc_pin.study.ensemble import Ensemble, add_bands, bands, check_size, first_trial, starts
+from asmc_pin.study.law_faults import told_of_its_law
 from asmc_pin.study.refinement import Refinement, refinement
 from asmc_pin.study.run_monitors import judge_theorems
 from asmc_pin.study.summary_text import summary_markdown
@@ -208,7 +208,7 @@ def _run(
     progress: Callable[[int, int], None],
 ) -> Rollout:
     trials = len(q0)
-    try:
+    with told_of_its_law(experiment, label):
         return rollout(
             plant,
             law,
@@ -221,17 +221,6 @@ def _run(
             progress=progress,
             trials=[0] * trials,  # one plant, and one noise of its sensors
         )
-    except AsmcPinError as error:
-        raise ExperimentError(f"controllers.{label}", str(error)) from error
-    except (Exception, SystemExit) as error:
-        name = experiment.controllers[label]["law"]
-        if ":" not in name:
-            raise
-        where = traceback.extract_tb(error.__traceback__)[-1]
-        raise ExperimentError(
-            f"controllers.{label}",
-            f"the law '{name}' raised {type(error).__name__}: {error} ({where.filename}, line {where.lineno})",
-        ) from error
 
 
 def _write(

@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from asmc_pin.experiment.variation.axes import Axis
+from asmc_pin.experiment.variation.axes import VariedKey
 from asmc_pin.sweeping.lockstep import TrialTables
 from asmc_pin.sweeping.trial_runs import Outcome, TrialRuns
 
@@ -39,7 +39,7 @@ class ScanEnd:
 
 
 def scan_ends(
-    runs: TrialRuns, axis: Axis, jobs: Sequence[TrialTables], labels: Sequence[str]
+    runs: TrialRuns, axis: VariedKey, jobs: Sequence[TrialTables], labels: Sequence[str]
 ) -> dict[tuple[int, str], ScanEnd]:
     """Scan one axis in several trials, all of them and all controllers a stage at a time.
 
@@ -87,7 +87,7 @@ def scan_ends(
 
 
 def _at(
-    runs: TrialRuns, axis: Axis, jobs: Sequence[TrialTables], values: Mapping[tuple[int, str], float]
+    runs: TrialRuns, axis: VariedKey, jobs: Sequence[TrialTables], values: Mapping[tuple[int, str], float]
 ) -> dict[tuple[int, str], Outcome]:
     """What each pair of trial and controller makes of its own value."""
     found: dict[tuple[int, str], Outcome] = {}

@@ -47,6 +47,7 @@ def write_findings(plan: SweepPlan, folder: Path, started: datetime, seconds: fl
         fails_at=scores.fails_at,
         drawn=scores.single,
         failed=failed,
+        kinds=frozenset(scores.kinds),
         alike=scores.alike,
         comparisons=compared(plan, scores),
     )

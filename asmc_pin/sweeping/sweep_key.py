@@ -10,7 +10,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import asmc_pin
 from asmc_pin.experiment import Experiment
 from asmc_pin.experiment.law_lookup import is_own, load_law
 from asmc_pin.experiment.variation.key_paths import value_at
@@ -33,7 +32,7 @@ def sweep_key(experiment: Experiment) -> str:
 @cache
 def code_key() -> str:
     """SHA-256 of the package's sources and of the versions of what they compute with, in hex."""
-    root = Path(asmc_pin.__file__).parent
+    root = Path(__file__).resolve().parent.parent
     found = hashlib.sha256(json.dumps({name: package_version(name) for name in PACKAGES}).encode())
     for path in sorted(root.rglob("*.py")):
         found.update(path.relative_to(root).as_posix().encode())

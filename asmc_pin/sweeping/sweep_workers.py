@@ -13,7 +13,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-import joblib  # type: ignore[import-untyped]
+import joblib
 
 from asmc_pin.errors import AsmcPinError, ExperimentError
 from asmc_pin.sweeping.block_rows import BlockRows

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from asmc_pin._typing import Array
 from asmc_pin.baselines import knows_model, shown_label
@@ -109,7 +108,7 @@ class TrialRuns:
                     self._bases.popitem(last=False)
             self._bases.move_to_end(name)
             return Lockstep(self._bases[name], jobs)
-        except (AsmcPinError, ValidationError) as error:
+        except (AsmcPinError, ValueError) as error:  # pydantic's errors are values'
             for job in jobs:  # which of them it was
                 try:
                     alone = experiment.replace(**{**job.tables, "sweep": None})

@@ -28,6 +28,7 @@ class TrialScores:
         labels: Controllers as the rows show them.
         scores: Metric -> label -> (draws, points of the grids).
         fails_at: Scanned key -> label -> (draws,).
+        kinds: Of the joints that there are, ``"revolute"`` and ``"prismatic"``.
         drawn: Random key that is one number -> (draws,).
     """
 
@@ -44,10 +45,14 @@ class TrialScores:
         self.drawn: dict[str, Array] = {
             axis.path: np.full(plan.draws, np.nan) for axis in variation.axes if axis.draw is not None
         }
+        self.kinds: set[str] = set()
         self._listed: set[str] = set()
 
     def add(self, rows: pa.Table) -> None:
         """Take in the rows of some trials, all joints of each."""
+        self.kinds |= {
+            "prismatic" if kind == "prismatic" else "revolute" for kind in rows["joint_kind"].unique().to_pylist()
+        }
         names = ["trial", "draw", "point", "controller", "status", *SCORED]
         column: dict[str, Any] = {name: rows[name].to_numpy(zero_copy_only=False) for name in names}
         changes = (np.diff(column["trial"]) != 0) | (column["controller"][1:] != column["controller"][:-1])

@@ -147,7 +147,7 @@ def test_messages_speak_as_the_interface_that_was_used(
         load_arm(many)
     status, said = told(capsys, "verify", str(many), "--mbar", "0.1")
     assert status == 2
-    assert "--chain base:left17, or lock some, by name or pattern: --lock 'left_*=0'" in said
+    assert "--chain base:left17, or lock some, by name or pattern as in --lock 'left_*=0'" in said
     experiment = load_experiment("demo").replace(arm={"source": str(many)})
     with pytest.raises(ArmError, match=r'arm\.chain = \["base", "left17"\].*arm\.lock = \{ "left_\*" = 0.0 \}'):
         experiment.build_arm()
@@ -175,3 +175,12 @@ def test_the_command_line_takes_patterns_chains_and_choices(torso: Path, capsys:
 def test_an_experiment_takes_a_chain(torso: Path) -> None:
     experiment = load_experiment("demo").replace(arm={"source": str(torso), "chain": ["torso", "left3"]})
     assert experiment.build_arm().joint_names == LEFT
+
+
+def test_a_headline_counts_the_joints_that_a_chain_locks_and_the_rows_name_them(torso: Path) -> None:
+    about = verify(load_arm(torso, chain=("torso", "left3")), 0.05, samples=20).hypotheses
+    assert "with 4 joints locked" not in about.title
+    assert "right2_joint at 0" in about.title
+    about = verify(load_arm(torso, chain=("torso", "left2")), 0.05, samples=20).hypotheses
+    assert "with 5 joints locked" in about.title
+    assert "left3_joint at 0" in dict(about.rows())["Locked joints"]

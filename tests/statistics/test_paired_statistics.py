@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -205,3 +206,35 @@ def test_the_best_is_named_only_where_it_is_certain():
     assert best_of(np.stack([BASE, np.full(16, np.nan)])) is None
     assert best_of(np.stack([BASE, np.full(16, INF)])) == 0
     assert best_of(np.full((2, 16), INF)) is None
+
+
+# Many trials ----------------------------------------------------------------------------------------------------------
+
+
+def test_the_probability_of_improvement_is_that_of_looking_at_every_pair():
+    one, other = RNG.integers(0, 6, (3, 40)).astype(float), RNG.integers(0, 6, (3, 30)).astype(float)
+    one[0, :5] = other[0, :3] = INF
+    pairs = (one[:, :, None] < other[:, None, :]) + 0.5 * (one[:, :, None] == other[:, None, :])
+    assert probability_of_improvement(one, other) == pytest.approx(pairs.mean(), rel=1e-14)
+
+
+def test_many_trials_take_no_memory_that_grows_with_their_square():
+    source = np.random.default_rng(1)
+    figures = np.exp(source.normal(size=(2, 6000)))
+    figures[1] *= 1.1
+    failing = figures.copy()
+    failing[0, :40] = INF
+    tracemalloc.start()
+    try:
+        (found,) = pairwise({"m": dict(zip("AB", figures, strict=True))})
+        interval = ratio_interval(*failing)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 2e8  # every pair of trials, or all resamples at once, take 3e8
+    logs = np.log(figures[0]) - np.log(figures[1])
+    width = 1.96 * logs.std() / np.sqrt(len(logs))
+    assert (math.log(found.low), math.log(found.high)) == pytest.approx(
+        (logs.mean() - width, logs.mean() + width), abs=0.003
+    )
+    assert interval.low < interval.ratio < interval.high < INF

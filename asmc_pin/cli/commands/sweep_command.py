@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -30,6 +31,9 @@ def sweep(
         int | None,
         typer.Option(min=0, metavar="TRIAL", help="Run this trial again, with everything logged and a page."),
     ] = None,
+    report: Annotated[
+        str | None, typer.Option(metavar="FILE", help="Write the page here too: .html, or .md with figures beside it.")
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Run every controller in many trials that vary as [sweep] says; started again, it goes on where it was.
@@ -39,6 +43,12 @@ def sweep(
     from asmc_pin.experiment import load_experiment
 
     loaded = load_experiment(experiment)
+    if report is not None:
+        from asmc_pin.disk.files import check_writable
+        from asmc_pin.pages.plates import is_html
+
+        is_html(Path(report))
+        check_writable(report)
     announce_compiling()
     if replay is not None:
         from asmc_pin.sweeping.trial_replay import replay as run_again
@@ -60,6 +70,10 @@ def sweep(
             progress(what, share)
 
         found = run(loaded, trials, out, workers=workers, force=force, progress=tell)
+    if report is not None:
+        from asmc_pin.pages.sweeps.sweep_page import write_sweep_page
+
+        write_sweep_page(found.findings, report)
     if as_json:
         print_json(found.to_json_dict())
     else:

@@ -9,12 +9,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from asmc_pin.experiment.variation.draws import Draw, draw_generator, is_finite
+from asmc_pin.experiment.variation.draws import Distribution, draw_generator, is_finite
 from asmc_pin.experiment.variation.key_paths import MISSING, Parts, value_at, with_value
 
 
 @dataclass(frozen=True)
-class Axis:
+class VariedKey:
     """One key that varies.
 
     Attributes:
@@ -31,7 +31,7 @@ class Axis:
     path: str
     parts: Parts
     factor: bool = False
-    draw: Draw | None = None
+    draw: Distribution | None = None
     values: tuple[Any, ...] = ()
     follows: str | None = None
     scan: tuple[float, float] | None = None
@@ -95,16 +95,16 @@ class Variation:
     """
 
     data: Mapping[str, Any]
-    axes: tuple[Axis, ...]
+    axes: tuple[VariedKey, ...]
     seed: int
 
     @property
-    def grids(self) -> tuple[Axis, ...]:
+    def grids(self) -> tuple[VariedKey, ...]:
         """Grids with points of their own."""
         return tuple(axis for axis in self.axes if axis.leading)
 
     @property
-    def scans(self) -> tuple[Axis, ...]:
+    def scans(self) -> tuple[VariedKey, ...]:
         """Axes that are scanned up to failure."""
         return tuple(axis for axis in self.axes if axis.scan is not None)
 
@@ -123,7 +123,7 @@ class Variation:
         draw, point = divmod(trial, self.points)
         return point, draw
 
-    def scan_at(self, point: int) -> Axis | None:
+    def scan_at(self, point: int) -> VariedKey | None:
         """The axis that is scanned at a point; None at one of the grids."""
         return self.scans[point - self.grid_points] if point >= self.grid_points else None
 
@@ -165,7 +165,7 @@ class Variation:
         return data
 
 
-def as_column(axis: Axis, quantity: Any, joints: int) -> Sequence[float] | Sequence[str | None]:
+def as_column(axis: VariedKey, quantity: Any, joints: int) -> Sequence[float] | Sequence[str | None]:
     """A quantity as results show it, one value for each joint.
 
     A number stands in every joint's row, a list with one for each joint in its own. A list of another length is no

@@ -23,7 +23,7 @@ _MOST_REDRAWS = 10_000
 
 
 @dataclass(frozen=True)
-class Draw:
+class Distribution:
     """A distribution.
 
     Attributes:
@@ -78,7 +78,7 @@ def draw_generator(seed: int, draw: int, path: str) -> np.random.Generator:
     return generator(seed, draw, SWEEP, *words.tolist())
 
 
-def read_draw(table: Mapping[str, Any], factor: bool) -> Draw:
+def read_draw(table: Mapping[str, Any], factor: bool) -> Distribution:
     """The distribution that a table describes.
 
     Raises:
@@ -106,7 +106,7 @@ def read_draw(table: Mapping[str, Any], factor: bool) -> Draw:
         raise ValueError(f"each must be true or false; got {each!r}")
     alone = 1.0 if factor else None
     centre = float(numbers[0]) if len(numbers) == 2 else alone
-    found = Draw(kind, centre, float(numbers[-1]), each=each, **bounds)
+    found = Distribution(kind, centre, float(numbers[-1]), each=each, **bounds)
     if not found.at_least < found.at_most:
         raise ValueError(f"at_least must be below at_most; got {found.at_least:g} and {found.at_most:g}")
     return found

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from asmc_pin.experiment.constructors import Mistake, nearest
-from asmc_pin.experiment.variation.axes import Axis, Variation
+from asmc_pin.experiment.variation.axes import Variation, VariedKey
 from asmc_pin.experiment.variation.draws import DISTRIBUTIONS, is_finite, read_draw
 from asmc_pin.experiment.variation.key_paths import MISSING, Parts, parts_of, value_at, with_value
 from asmc_pin.metrics import METRICS
@@ -76,7 +76,7 @@ def _key(path: str) -> str:
     return f'sweep."{path}"'
 
 
-def _read(path: str, data: Mapping[str, Any]) -> tuple[Axis | None, list[Mistake]]:
+def _read(path: str, data: Mapping[str, Any]) -> tuple[VariedKey | None, list[Mistake]]:
     """One line of the table, as far as it can be judged by itself."""
     key, given = _key(path), data["sweep"][path]
     parts = parts_of(path, data)
@@ -107,7 +107,7 @@ def _read(path: str, data: Mapping[str, Any]) -> tuple[Axis | None, list[Mistake
         if way == "values":
             return _grid(path, parts, factor, inner), []
         if way == "scan":
-            return Axis(path, parts, factor, scan=_ends(inner[way]), until=_until(inner.get("until", {}))), []
+            return VariedKey(path, parts, factor, scan=_ends(inner[way]), until=_until(inner.get("until", {}))), []
         draw = read_draw(inner, factor)
     except ValueError as error:
         return None, [Mistake(key, str(error))]
@@ -116,7 +116,7 @@ def _read(path: str, data: Mapping[str, Any]) -> tuple[Axis | None, list[Mistake
     if (draw.centre is None and not _all_numbers(own)) or (draw.each and not isinstance(own, list)):
         shape = "a list of numbers" if draw.each else "a number"
         return None, [Mistake(key, f"{' and '.join(needs)} starts from the file's own value; give {path} {shape}")]
-    return Axis(path, parts, factor, draw=draw), []
+    return VariedKey(path, parts, factor, draw=draw), []
 
 
 def _advice(inner: Mapping[str, Any]) -> str:
@@ -127,7 +127,7 @@ def _all_numbers(value: Any) -> bool:
     return all(map(_all_numbers, value)) if isinstance(value, list) and value else is_finite(value)
 
 
-def _grid(path: str, parts: Parts, factor: bool, table: Mapping[str, Any]) -> Axis:
+def _grid(path: str, parts: Parts, factor: bool, table: Mapping[str, Any]) -> VariedKey:
     values, follows = table["values"], table.get("with")
     if not isinstance(values, list) or not values:
         raise ValueError(f"values takes a list of at least one; got {values!r}")
@@ -135,7 +135,7 @@ def _grid(path: str, parts: Parts, factor: bool, table: Mapping[str, Any]) -> Ax
         raise ValueError(f"factors are numbers; got {values!r}")
     if follows is not None and not isinstance(follows, str):
         raise ValueError(f"with takes the path of another grid; got {follows!r}")
-    return Axis(path, parts, factor, values=tuple(values), follows=follows)
+    return VariedKey(path, parts, factor, values=tuple(values), follows=follows)
 
 
 def _ends(given: Any) -> tuple[float, float]:
@@ -155,7 +155,7 @@ def _until(given: Any) -> dict[str, float]:
     return {name: float(limit) for name, limit in given.items()}
 
 
-def _partner_problems(axis: Axis, leaders: Mapping[str, Axis]) -> list[Mistake]:
+def _partner_problems(axis: VariedKey, leaders: Mapping[str, VariedKey]) -> list[Mistake]:
     leader = leaders.get(str(axis.follows))
     if leader is None:
         known = [name for name in leaders if name != axis.path]
@@ -194,7 +194,7 @@ def _no_place(parts: Parts, plain: dict[str, Any]) -> str:
     return f"'{above}' is " + (f"a list of {len(here)}, counted from [0]" if isinstance(here, list) else f"{here!r}")
 
 
-def _value_problems(axis: Axis, plain: dict[str, Any], seed: int, judge: Judge) -> list[Mistake]:
+def _value_problems(axis: VariedKey, plain: dict[str, Any], seed: int, judge: Judge) -> list[Mistake]:
     """What the experiment says of the values of an axis: all of a grid, the ends of a scan, the first draw."""
     hint = "; at_least and at_most bound what is drawn" if axis.draw is not None else ""
     try:

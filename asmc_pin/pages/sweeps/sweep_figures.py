@@ -8,12 +8,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatterMathtext
 
 from asmc_pin._typing import Array
 from asmc_pin.metrics import METRICS
 from asmc_pin.pages.figure_style import PAGE, paper_style
 from asmc_pin.pages.plates import Plate
 from asmc_pin.pages.sweeps.sweep_findings import SweepFindings
+from asmc_pin.pages.sweeps.sweep_tables import unit_of
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.words.media import for_figure
 
@@ -46,7 +48,8 @@ def _distributions(findings: SweepFindings) -> Figure:
             for label, colour in controller_colors(findings.labels).items():
                 _shares(ax, by_label[label].ravel(), colour, label)
             ax.set_xscale("log")
-            ax.set_xlabel(for_figure(f"{METRICS[name].title} [{METRICS[name].unit}]"))
+            ax.xaxis.set_minor_formatter(LogFormatterMathtext(minor_thresholds=(1.0, 0.5)))
+            ax.set_xlabel(for_figure(f"{METRICS[name].title} [{unit_of(findings, name)}]"))
             ax.set_ylim(0.0, 1.02)
         _finish(figure, axes, "Share of trials")
     return figure
@@ -102,10 +105,11 @@ def _dependence(findings: SweepFindings) -> Figure:
                     ax.plot(x[~over], y[~over], ".", ms=2.0, color=colour, label=for_figure(label), rasterized=True)
                     ax.plot(x[over], np.full(int(over.sum()), top), "x", ms=3.0, color=colour, rasterized=True)
                 ax.set_yscale("log")
+                ax.yaxis.set_minor_formatter(LogFormatterMathtext(minor_thresholds=(1.0, 0.5)))
                 if row == len(names) - 1:
                     ax.set_xlabel(for_figure(path))
                 if column == 0:
-                    ax.set_ylabel(for_figure(f"{METRICS[name].title}\n[{METRICS[name].unit}]"))
+                    ax.set_ylabel(f"{for_figure(METRICS[name].title)}\n[{for_figure(unit_of(findings, name))}]")
         _finish(figure, list(grid.ravel()), None)
     return figure
 

@@ -39,6 +39,7 @@ class SweepFindings:
         fails_at: Scanned key -> label -> (draws,), the smallest value seen to fail; infinite where none was.
         drawn: Random key -> (draws,), where what is drawn is one number.
         failed: Label -> runs at the grids that diverged.
+        kinds: Of the joints that there are, ``"revolute"`` and ``"prismatic"``.
         alike: Whether the draws do not differ at all, so that there is nothing to be sure of.
         comparisons: Pairs of controllers, by every metric.
     """
@@ -51,6 +52,7 @@ class SweepFindings:
     fails_at: Mapping[str, Mapping[str, Array]]
     drawn: Mapping[str, Array]
     failed: Mapping[str, int]
+    kinds: frozenset[str]
     alike: bool
     comparisons: Sequence[Compared]
 

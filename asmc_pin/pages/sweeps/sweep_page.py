@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
+from asmc_pin.disk.files import write_whole
+from asmc_pin.experiment.toml_text import toml_value
 from asmc_pin.pages.html_fragments import details, table_html
-from asmc_pin.pages.plates import Plate, framed
+from asmc_pin.pages.plates import Plate, framed, is_html, write_beside
+from asmc_pin.pages.sweeps.sweep_figures import sweep_plates
 from asmc_pin.pages.sweeps.sweep_findings import SweepFindings
 from asmc_pin.pages.sweeps.sweep_tables import (
     HOW_COMPARED,
@@ -39,7 +43,7 @@ def _facts(findings: SweepFindings) -> Iterator[str]:
         f"seed {experiment.seed}"
     )
     for axis, given in experiment.sweep.items():
-        yield f"varies: {axis} = {given}"
+        yield f"varies: {toml_value(axis)} = {toml_value(given)}"
     yield from verdict_lines(findings)
     yield from failure_lines(findings)
 
@@ -72,6 +76,26 @@ def sweep_markdown(findings: SweepFindings, plates: Sequence[Plate], figures: st
         caption = for_markdown(plate.caption)
         lines += ["", f"![{caption}](<{figures}{plate.name}.png>)", "", f"*{caption}*"]
     return "\n".join(lines) + "\n"
+
+
+def write_sweep_page(findings: SweepFindings, path: str | Path) -> None:
+    """Write the page elsewhere than into the sweep's folder.
+
+    Args:
+        findings: The sweep's.
+        path: Ends in ``.html`` (one file) or in ``.md`` (figures as PNG files beside it).
+
+    Raises:
+        ParameterError: another suffix.
+        ResultError: the file cannot be written.
+    """
+    path = Path(path)
+    plates = list(sweep_plates(findings))
+    if is_html(path):
+        write_whole(path, sweep_html(findings, plates))
+        return
+    write_beside(path, plates)
+    write_whole(path, sweep_markdown(findings, plates, f"{path.stem}_"))
 
 
 def sweep_html(findings: SweepFindings, plates: Sequence[Plate]) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.metrics import METRICS
+from asmc_pin.metrics import METRICS, QUANTITIES
 from asmc_pin.pages.sweeps.sweep_findings import FAILURE, Compared, SweepFindings
 from asmc_pin.pages.tables.text_table import NOTHING, Table, number
 from asmc_pin.statistics.order_statistics import spread_of
@@ -40,7 +40,7 @@ def distribution_table(findings: SweepFindings, point: int | None) -> Table:
     """
     where = "all trials" if point is None else findings.points[point]
     header = ["controller", "failed"]
-    header += [f"{METRICS[name].title} [{METRICS[name].unit}]" for name in findings.scores]
+    header += [f"{METRICS[name].title} [{unit_of(findings, name)}]" for name in findings.scores]
     rows = []
     for label in findings.labels:
         figures = [by_label[label] for by_label in findings.scores.values()]
@@ -113,6 +113,13 @@ def measure(metric: str) -> str:
     if metric.startswith(FAILURE):
         return f"way to the first failure along {metric.removeprefix(FAILURE)}"
     return METRICS[metric].title
+
+
+def unit_of(findings: SweepFindings, metric: str) -> str:
+    """Its SI unit on the joints of these arms."""
+    revolute, prismatic = QUANTITIES[METRICS[metric].quantity]
+    units = [unit for kind, unit in (("revolute", revolute), ("prismatic", prismatic)) if kind in findings.kinds]
+    return " or ".join(dict.fromkeys(units))
 
 
 def spread_text(figures: Array) -> str:

@@ -41,9 +41,9 @@ class DrawnBody:
         axis: Joint axis in the joint's frame, shape (3,).
         prismatic: It slides along the axis rather than turning about it.
         mesh: What is drawn, in the joint's frame.
-        opacity: 1 where nothing behind it is seen.
         ratio: How far the joint goes for one of the coordinate; 1 unless it mimics another.
         offset: Where it is while the coordinate is 0, rad or m.
+        opacity: 1 where nothing behind it is seen.
     """
 
     parent: int
@@ -52,9 +52,9 @@ class DrawnBody:
     axis: Array
     prismatic: bool
     mesh: Shaded
-    opacity: float = 1.0
     ratio: float = 1.0
     offset: float = 0.0
+    opacity: float = 1.0
 
 
 @dataclass(frozen=True)

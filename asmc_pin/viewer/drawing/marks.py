@@ -31,7 +31,7 @@ def with_marks(arm: DrawnArm, marks: Sequence[Mark], opacity: float) -> DrawnArm
     """The arm drawn with some opacity, and marks in it."""
     meshes = simplify([mark.surface for mark in marks], 40_000)
     drawn = tuple(
-        DrawnBody(mark.body, np.eye(4), -1, np.array([0.0, 0.0, 1.0]), False, mesh, mark.opacity)
+        DrawnBody(mark.body, np.eye(4), -1, np.array([0.0, 0.0, 1.0]), False, mesh, opacity=mark.opacity)
         for mark, mesh in zip(marks, meshes, strict=True)
     )
     return replace(arm, bodies=tuple(replace(body, opacity=opacity) for body in arm.bodies), marks=drawn)

@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from asmc_pin._typing import Array
-from asmc_pin.arms.moving_bodies import impossible_link, moving_bodies, number_problems
+from asmc_pin.arms.bodies.moving_bodies import impossible_link, moving_bodies, number_problems
 from asmc_pin.arms.urdf.repair_record import write_repair
 from asmc_pin.arms.urdf.rigid_inertia import nearest_inertia, tensor_problem
 from asmc_pin.arms.urdf.urdf_document import parsed_again
