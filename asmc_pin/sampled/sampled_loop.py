@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
-from asmc_pin.controllers import TdeLaw, parameters_of
+from asmc_pin.controllers import CONTROLLERS, TdeLaw, parameters_of
 from asmc_pin.controllers.linear_form import LinearForm, linear_form
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Acceleration as Acceleration
@@ -108,7 +108,7 @@ class SampledLoop:
         return (
             f"M̄ = {listed(self.mbar)} kg·m², K_s = {listed(self.ks)} 1/s, β = {beta} 1/s, L = {self.period:g} s, "
             f"{self.timing_words()}"
-        ) + ("" if self.law is None else f", law {type(self.law).__name__} ({settings_words(self.law)})")
+        ) + ("" if self.law is None else f", law {law_name(self.law)} ({settings_words(self.law)})")
 
     def timing_words(self) -> str:
         """What it makes of its sensor, and its delay, for a person to read."""
@@ -206,6 +206,11 @@ def positive_per_joint(name: str, value: ArrayLike, nv: int, unit: str) -> Array
         raise ParameterError(name, f"got {spread.tolist()}; every value must be finite and positive ({unit})")
     spread.flags.writeable = False
     return spread
+
+
+def law_name(law: Any) -> str:
+    """The name of a law of the package in experiments; of another its class."""
+    return next((name for name, cls in CONTROLLERS.items() if cls is type(law)), type(law).__name__)
 
 
 def law_settings(law: Any) -> dict[str, Any]:

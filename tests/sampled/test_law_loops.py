@@ -122,7 +122,7 @@ def test_a_dob_keeps_the_margin_of_its_own_estimate() -> None:
     assert not stability(arm, 3.0, 6.0, 6.0, 1e-3, limits=False, samples=8, box={"slide0": (-1.0, 1.0)}).stable
     found = stability(arm, 3.0, 6.0, 6.0, 1e-3, law=law, limits=False, samples=8, box={"slide0": (-1.0, 1.0)})
     assert found.stable
-    assert "law Dob (cutoff_hz = " in found.loop.words()
+    assert "law dob (cutoff_hz = " in found.loop.words()
 
 
 def test_an_experiments_laws_have_their_own_loops_and_bands() -> None:
@@ -151,7 +151,7 @@ def test_the_command_line_takes_a_law_with_its_parameters(capfd: pytest.CaptureF
 
     status, out, _ = asked("--law", "dob", "--set", "cutoff_hz=100", "--json")
     assert status == 0
-    assert json.loads(out)["law"] == {"name": "Dob", "cutoff_hz": 100.0}
+    assert json.loads(out)["law"] == {"name": "dob", "cutoff_hz": 100.0}
     for wrong, message in (
         (["--law", "dop"], "did you mean 'dob'"),
         (["--law", "dob"], "needs cutoff_hz"),
