@@ -79,6 +79,10 @@ if TYPE_CHECKING:
     from asmc_pin.experiment.variation.axes import Variation as Variation
     from asmc_pin.experiment.variation.axes import VariedKey as VariedKey
     from asmc_pin.experiment.variation.draws import Distribution as Distribution
+    from asmc_pin.inspection import Doubt as Doubt
+    from asmc_pin.inspection import Inspection as Inspection
+    from asmc_pin.inspection import inspect as inspect
+    from asmc_pin.inspection.inspection_report import InspectedJoint as InspectedJoint
     from asmc_pin.metrics import METRICS as METRICS
     from asmc_pin.metrics import Metric as Metric
     from asmc_pin.metrics import MetricSettings as MetricSettings
@@ -133,5 +137,6 @@ if TYPE_CHECKING:
     from asmc_pin.sweeping import Sweep as Sweep
     from asmc_pin.sweeping import sweep as sweep
     from asmc_pin.tool_error import ToolError as ToolError
+    from asmc_pin.words.provisos import Proviso as Proviso
 
 __getattr__, __dir__, __all__ = load_on_first_use(__name__)

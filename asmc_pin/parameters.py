@@ -173,6 +173,11 @@ class ScalarOrWord(Parameter["float | str", "float | str"]):
         expected = f"one number, {self._scalar.bound.text}, or {' or '.join(map(repr, self.words))}"
         raise ParameterError(self.name, f"got {value!r}; expected {expected}")
 
+    @property
+    def takes(self) -> str:
+        """What may be given, in a few words."""
+        return ", ".join([self._scalar.takes, *(f'or "{word}"' for word in self.words)])
+
 
 class OptionalScalar(Parameter["float | None", "float | None"]):
     """A parameter that is one number, or None."""

@@ -26,7 +26,7 @@ from asmc_pin.condition.norm.two_conditions import Condition
 from asmc_pin.disk.files import write_whole
 
 CONDITIONS: tuple[tuple[str, Condition], ...] = (("W", "weighted"), ("L", "lemma1"))
-PERIOD, GAIN, SHARE = 1e-3, 20.0, 0.6  # of the loops: L, k_s = β, and M̄ over the best under the weighted condition
+PERIOD, SLOPE, RATE, SHARE = 1e-3, 1.0, 200.0, 0.6  # of the loops: L, k_s, β, and M̄ over the best weighted one
 HEADERS = {
     "design": "| arm | condition | least norm found | no M̄ has less than | gap of 1 − norm | programs | s / CPU s |",
     "proof": "| arm | condition | proven f | sup f | gap | boxes | f = 1 decided, s / CPU s | s / CPU s | end |",
@@ -94,7 +94,7 @@ def bounds_row(name: str, arm: Arm, budget: float, threads: int) -> list[str]:
 def loop_row(name: str, arm: Arm, mbar: Any, budget: float, threads: int) -> list[str]:
     """The plain loop with M̄ = 0.6 of the best under the weighted condition."""
     watch = Stopwatch()
-    loop = SampledLoop(SHARE * np.asarray(mbar), GAIN, GAIN, PERIOD)
+    loop = SampledLoop(SHARE * np.asarray(mbar), SLOPE, RATE, PERIOD)
     found = certify_loop(arm, loop, budget=budget, threads=threads)
     took = str(watch)
     seen, stable = (f"{low:.4g} to {high:.4g}" for low, high in (found.seen_between, found.stable_between))
@@ -128,7 +128,7 @@ def _warm(threads: int) -> None:
         mbar = design(arm, condition=condition, explain=False).mbar
         certify(arm, mbar, condition=condition, gap=0.5, budget=120.0, threads=threads)
     bounds(arm, gap=0.5)
-    certify_loop(arm, SampledLoop(np.full(2, 1e-4), GAIN, GAIN, PERIOD))
+    certify_loop(arm, SampledLoop(np.full(2, 1e-4), SLOPE, RATE, PERIOD))
 
 
 def _told(header: str, rows: list[str]) -> str:

@@ -77,6 +77,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     },
     "results": {"arms", "references", "plant", "engine", "metrics", "monitors", "experiment", "statistics"},
     "viewer": {"arms", "metrics", "experiment", "results"},
+    "inspection": {"arms", "viewer"},
     "pages": {
         "arms",
         "controllers",
@@ -108,6 +109,7 @@ KNOW_THE_MODEL = {
     "asmc_pin.baselines.model_law",
     "asmc_pin.baselines.computed_torque",
     "asmc_pin.baselines.pd_gravity",
+    "asmc_pin.baselines.slotine_li",
 }
 
 # Libraries with one home, so that what it costs to change them is known.

@@ -13,6 +13,7 @@ import numpy as np
 from lxml import etree
 
 from asmc_pin._typing import Array
+from asmc_pin.agreement.folded_bodies import fold_impossible
 from asmc_pin.arms import Arm
 from asmc_pin.errors import MissingDependencyError, NotComparableError
 
@@ -92,8 +93,9 @@ class Twin:
         spec.option.gravity = self.arm.gravity_vector
         spec.option.integrator = self._mujoco.mjtIntegrator.mjINT_RK4
         spec.compiler.boundmass = spec.compiler.boundinertia = least
-        notes = _round_inertias(spec)
         self._lock(spec)
+        fold_impossible(spec)
+        notes = _round_inertias(spec)
         self._load(spec)
         for name, armature in zip(list(self.arm.model.names)[1:], self.arm.model.armature, strict=True):
             spec.joint(name).armature = armature
@@ -249,6 +251,8 @@ def _round_inertias(spec: Any) -> list[str]:
         moments[0] = max(moments[0], 0.0)
         most = (moments[0] + moments[1]) * (1.0 - _ROUNDING)
         if moments[2] <= most:
+            continue
+        if moments[2] <= LEAST_INERTIA:
             continue
         name, share = body.name.removeprefix(_LINK), (moments[2] - most) / moments[2]
         notes.append(f"link '{name}': its largest moment lowered by {share:.1e} of it")

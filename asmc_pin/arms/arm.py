@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from asmc_pin._typing import Array, BoolArray
-from asmc_pin.arms.arm_options import UNCHANGED, Armature, Gravity, Load, Lock, Unchanged, Variant
+from asmc_pin.arms.arm_options import UNCHANGED, Armature, ChainEnds, Gravity, Load, Lock, Unchanged, Variant
 from asmc_pin.arms.payload import Payload
 from asmc_pin.arms.registry import ArmEntry
 from asmc_pin.arms.robot_files import RobotFiles
@@ -245,6 +245,41 @@ class Arm(Shown):
         """
         return self.tree.coupling.forces(self._batched(pin.nonLinearEffects, (self.model.nv,), q=q, v=v))
 
+    @property
+    def inertial_parameters(self) -> Array:
+        """What `regressor` multiplies: ten for each moving link, from the base on, then the armature of each joint.
+
+        A link's are mass, mass × centre of mass (3) and the inertia about the joint's frame (xx, xy, yy, xz, yz, zz).
+        """
+        links = [inertia.toDynamicParameters() for inertia in list(self.model.inertias)[1:]]
+        return np.concatenate([*links, self.armature])
+
+    def regressor(self, q: Array, v: Array, v_r: Array, a_r: Array) -> Array:
+        """The matrix Y with Y θ = M(q) a_r + C(q, v) v_r + g(q), θ the `inertial_parameters`.
+
+        C is that of Christoffel symbols, so that C(q, x) y is bilinear and symmetric in x and y: it is a quarter of the
+        difference of C(q, x + y)(x + y) and C(q, x − y)(x − y), of which Pinocchio has regressors.
+
+        Args:
+            q: Shape (..., nv).
+            v: Velocity, shape (..., nv).
+            v_r: Reference velocity of Slotine and Li, shape (..., nv).
+            a_r: Reference acceleration, shape (..., nv).
+
+        Returns:
+            Shape (..., nv, 10 links + nv).
+        """
+        still = np.zeros(self.nv)
+
+        def rows(model: pin.Model, data: pin.Data, q: Array, v: Array, v_r: Array, a_r: Array) -> Array:
+            def part(velocity: Array, acceleration: Array) -> Array:
+                return np.array(pin.computeJointTorqueRegressor(model, data, q, velocity, acceleration))
+
+            links = part(still, a_r) + 0.25 * (part(v + v_r, still) - part(v - v_r, still))
+            return np.concatenate([links, np.diag(a_r)], axis=1)
+
+        return self._batched(rows, (self.nv, self.inertial_parameters.size), q=q, v=v, v_r=v_r, a_r=a_r)
+
     def forward_dynamics(self, q: Array, v: Array, torque: Array) -> Array:
         """Acceleration M⁻¹(τ − C q̇ − g), without friction.
 
@@ -287,6 +322,8 @@ class Arm(Shown):
         armature: Armature | Unchanged | None = UNCHANGED,
         lock: Lock | Unchanged | None = UNCHANGED,
         gravity: Gravity | Unchanged | None = UNCHANGED,
+        repair: bool | Unchanged | None = UNCHANGED,
+        chain: ChainEnds | Unchanged | None = UNCHANGED,
     ) -> Arm:
         """The same URDF with other options; one that is not given stays as it is, None takes it away.
 
@@ -295,6 +332,8 @@ class Arm(Shown):
             armature: As in `load_arm`.
             lock: As in `load_arm`; replaces all earlier locks except the entry's own.
             gravity: As in `load_arm`.
+            repair: As in `load_arm`.
+            chain: As in `load_arm`.
 
         Returns:
             A new arm.
@@ -303,7 +342,14 @@ class Arm(Shown):
             ArmError: The options leave no arm.
             ParameterError: An option at fault.
         """
-        options = {"payload": payload, "armature": armature, "lock": lock, "gravity": gravity}
+        options = {
+            "payload": payload,
+            "armature": armature,
+            "lock": lock,
+            "gravity": gravity,
+            "repair": repair,
+            "chain": chain,
+        }
         return self.made_of.vary(
             self, {name: value for name, value in options.items() if not isinstance(value, Unchanged)}
         )

@@ -23,6 +23,7 @@ Load = float | str | Payload | Mapping[str, Any]
 Armature = float | Sequence[float] | Array | Mapping[str, float]
 Lock = Mapping[str, "float | str | None"]
 Gravity = Sequence[float] | Array
+ChainEnds = tuple[str, str]
 
 
 class Unchanged:
@@ -40,6 +41,8 @@ class Variant:
     armature: Array | dict[str, float] | None = None
     lock: dict[str, float | str | None] | None = None
     gravity: Array | None = None
+    repair: bool | None = None
+    chain: ChainEnds | None = None
 
 
 def read_variant(
@@ -48,6 +51,8 @@ def read_variant(
     armature: Armature | None = None,
     lock: Lock | None = None,
     gravity: Gravity | None = None,
+    repair: bool | None = None,
+    chain: ChainEnds | None = None,
 ) -> Variant:
     """Copy and check what can be checked without the arm.
 
@@ -59,6 +64,8 @@ def read_variant(
         armature=dict(armature) if isinstance(armature, Mapping) else _numbers("armature", armature),
         lock=dict(lock) if lock is not None else None,
         gravity=_gravity(gravity),
+        repair=_switch("repair", repair),
+        chain=_ends(chain),
     )
 
 
@@ -164,6 +171,20 @@ def _gravity(gravity: Gravity | None) -> Array | None:
         raise ParameterError("gravity", f"{gravity!r} given, at most {LARGEST_GRAVITY:g} m/s² expected")
     if value is not None:
         check_gravity(value)
+    return value
+
+
+def _ends(value: Any) -> ChainEnds | None:
+    if value is None:
+        return None
+    if isinstance(value, str) or len(value) != 2 or not all(isinstance(name, str) for name in value):
+        raise ParameterError("chain", f"{value!r} given, two links expected: the base and the tip")
+    return value[0], value[1]
+
+
+def _switch(parameter: str, value: Any) -> bool | None:
+    if value is not None and not isinstance(value, bool):
+        raise ParameterError(parameter, f"{value!r} given, True or False expected")
     return value
 
 

@@ -27,16 +27,29 @@ _MUJOCO_AGREES = 1e-12
 _ON_AXIS = 1e-12
 
 
-def bare_model(robot: Robot, locked: Mapping[str, float]) -> pin.Model:
-    """The arm as its URDF has it, locked joints merged into their parents.
+def whole_model(robot: Robot) -> pin.Model:
+    """The robot as its URDF has it, `JOINT_PREFIX` before every joint's name, nothing locked.
 
     Raises:
-        ArmError: Pinocchio refuses the file, or nothing moves.
+        ArmError: Pinocchio refuses the file.
     """
     try:
-        model = pin.buildModelFromXML(robot.xml)
+        return pin.buildModelFromXML(robot.xml)
     except ValueError as error:
         raise ArmError(robot.path, f"{robot.path}: Pinocchio cannot build this arm ({error})") from None
+
+
+def bare_model(robot: Robot, model: pin.Model, locked: Mapping[str, float]) -> pin.Model:
+    """The arm: locked joints merged into their parents, every joint with its own name.
+
+    Args:
+        robot: The URDF.
+        model: What `whole_model` made of it; may be changed.
+        locked: Joint to value, rad (m).
+
+    Raises:
+        ArmError: Nothing moves.
+    """
     if locked:
         q = pin.neutral(model)
         indices = [model.getJointId(JOINT_PREFIX + name) for name in locked]
@@ -50,29 +63,6 @@ def bare_model(robot: Robot, locked: Mapping[str, float]) -> pin.Model:
     if model.nv == 0:
         raise ArmError(robot.path, f"{robot.path}: nothing movable, every joint is locked; free one")
     return model
-
-
-def check_moving_links(robot: Robot, model: pin.Model, coupling: Coupling) -> None:
-    """Refuse a joint that moves no inertia; a joint that mimics another may, where the driven one moves some.
-
-    Raises:
-        ArmError: Names the joint and the link.
-    """
-    masses = np.array([inertia.mass for inertia in model.inertias][1:])
-    for coordinate, leader in enumerate(coupling.leader):
-        if masses[coupling.coordinate == coordinate].sum() > 0.0:
-            continue
-        index = int(leader) + 1
-        joint = robot.joints[model.names[index]]
-        links = [
-            frame.name for frame in model.frames if frame.type == pin.FrameType.BODY and frame.parentJoint == index
-        ]
-        raise ArmError(
-            robot.path,
-            f"{joint.where}: moves link '{links[0]}', which carries no inertia"
-            + (f", nor does anything fixed to it ({', '.join(links[1:])})" if links[1:] else "")
-            + f"; add <inertial> with a mass above zero to link '{links[0]}', or lock the joint",
-        )
 
 
 def link_frame(robot: Robot, model: pin.Model, link: str) -> pin.Frame:
@@ -198,6 +188,10 @@ def check_mass_matrix(robot: Robot, model: pin.Model, coupling: Coupling) -> Non
         raise ArmError(robot.path, _singular(robot, model, q, mass, weak, int(coupling.leader[weak]), comparable))
 
 
+def _where(q: Array) -> str:
+    return f"q = {np.round(q, 3).tolist()}" if np.any(q) else "q = 0"
+
+
 def check_against_mujoco(robot: Robot) -> None:
     """Hold the URDF of a MJCF file against the M(q) that MuJoCo had for the file itself.
 
@@ -234,13 +228,13 @@ def _singular(robot: Robot, model: pin.Model, q: Array, mass: Array, weak: int, 
         heaviest = max(range(1, model.njoints), key=lambda index: model.inertias[index].mass)
         link = robot.joints[model.names[heaviest]].child
         return (
-            f"{joint.where}: M(q) is no matrix that can be computed with at q = {np.round(q, 3).tolist()}: what hangs "
+            f"{joint.where}: M(q) is no matrix that can be computed with at {_where(q)}: what hangs "
             f"on this joint has a mass of {weight:.3g} kg and feels {mass[weak, weak]:.3g} kg·m² (kg), while link "
             f"'{link}', with what is fixed to it, has {model.inertias[heaviest].mass:.3g} kg. Check these masses"
         )
     smallest = float(np.linalg.eigvalsh(mass)[0])
     return (
-        f"{joint.where}: the mass matrix is not positive definite at q = {np.round(q, 3).tolist()} (smallest "
+        f"{joint.where}: the mass matrix is not positive definite at {_where(q)} (smallest "
         f"eigenvalue {smallest:.3g}), because nothing resists this joint: link '{joint.child}' and what hangs on "
         "it have their mass on its axis and no rotational inertia about it, or another joint moves them just so. "
         f"Give link '{joint.child}' its inertia, or joint '{joint.name}' an armature"

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import inspect
+import shlex
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_type_hints
@@ -64,9 +65,19 @@ class LoadingOptions:
         typer.Option(
             "--lock",
             metavar="JOINT=ANGLE",
-            help="Lock a joint at an angle, rad or m; 'free' frees a gripper's. Repeatable.",
+            help="Lock a joint at an angle, rad or m, or all that a pattern such as 'left_*' matches; 'grippers' locks "
+            "those of grippers; 'free' frees one. Repeatable.",
         ),
     ] = None
+    chain: Annotated[
+        str | None,
+        typer.Option(
+            "--chain", metavar="BASE:TIP", help="Keep the joints between two links; the others are locked near zero."
+        ),
+    ] = None
+    repair: Annotated[
+        bool, typer.Option("--repair", help="Take inertia tensors that no rigid body has to the nearest, and say so.")
+    ] = False
     gravity: Annotated[
         str | None,
         typer.Option(
@@ -170,15 +181,23 @@ def load_keywords(loading: LoadingOptions) -> tuple[dict[str, Any], dict[str, An
     if rotors is not None:
         spread = any(isinstance(x, tuple) for x in (rotors if isinstance(rotors, list) else [rotors]))
         (ranges if spread else single)["armature"] = rotors
-    given = assignments(loading.lock, "--lock", "JOINT=ANGLE or JOINT=free")
+    asked = [f"{item}=0" if item.strip() == "grippers" else item for item in loading.lock or ()]
+    given = assignments(asked, "--lock", "JOINT=ANGLE or JOINT=free")
     locks = {joint: numbers(value, "--lock") for joint, value in given.items() if value != "free"}
-    held: dict[str, Any] = {joint: angles[0] for joint, angles in locks.items() if len(angles) == 1}
+    held: dict[str, Any] = {joint: angles[0] for joint, angles in locks.items()}
     held |= {joint: None for joint, value in given.items() if value == "free"}
     choices = {joint: angles for joint, angles in locks.items() if len(angles) > 1}
     if choices:
         ranges["lock"] = choices
     if held:
         single["lock"] = held
+    if loading.chain is not None:
+        ends = loading.chain.split(":")
+        if len(ends) != 2 or not all(ends):
+            raise ParameterError("--chain", f"'{loading.chain}' is not of the form BASE:TIP, two names of links")
+        single["chain"] = (ends[0], ends[1])
+    if loading.repair:
+        single["repair"] = True
     if loading.gravity is not None:
         single["gravity"] = numbers(loading.gravity, "--gravity")
     for name, items, form in (("xacro", loading.xacro, "NAME=VALUE"), ("package", loading.package, "NAME=DIR")):
@@ -205,6 +224,8 @@ def open_domain(source: str, loading: LoadingOptions) -> tuple[Arm, dict[str, An
     from asmc_pin.arms import load_arm
 
     arm = load_arm(source, **single)
+    for proviso in arm.provisos:
+        note(f"{proviso.kind}: {proviso.text}")
     warnings = list(arm.warnings)
     if "payload" in ranges:
         from asmc_pin.condition.domain.payload_ranges import carrying
@@ -215,7 +236,31 @@ def open_domain(source: str, loading: LoadingOptions) -> tuple[Arm, dict[str, An
         warnings += sorted(common - set(warnings))
     for warning in warnings:
         note(f"warning: {warning}")
+    tell_doubts(arm, source)
     return arm, ranges
+
+
+def tell_doubts(arm: Arm, source: str) -> None:
+    """Say on standard error what puts an arm's M(q) in doubt, a line each, and where there is more."""
+    from asmc_pin.inspection.inspecting import serious_doubts
+
+    doubts = serious_doubts(arm)
+    for doubt in doubts:
+        note(f"warning: doubtful: {doubt.text}")
+    if doubts:
+        note(f"warning: see 'asmc-pin inspect {shlex.quote(source)}' for what was read")
+
+
+def single_keywords(loading: LoadingOptions) -> dict[str, Any]:
+    """Keywords of `load_arm`, where a range means nothing.
+
+    Raises:
+        ParameterError: An option gives a range or a choice.
+    """
+    single, ranges = load_keywords(loading)
+    if ranges:
+        raise ParameterError(f"--{next(iter(ranges))}", "one value expected here, not a range")
+    return single
 
 
 def open_single(source: str, loading: LoadingOptions) -> Arm:
@@ -224,7 +269,6 @@ def open_single(source: str, loading: LoadingOptions) -> Arm:
     Raises:
         ParameterError: An option gives a range or a choice.
     """
-    arm, ranges = open_domain(source, loading)
-    if ranges:
-        raise ParameterError(f"--{next(iter(ranges))}", "one value expected here, not a range")
+    single_keywords(loading)
+    arm, _ = open_domain(source, loading)
     return arm

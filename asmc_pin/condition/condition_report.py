@@ -48,6 +48,7 @@ class ConditionReport(Judged):
         tde_error: Along recorded data with torque: the TDE error that M̄ would have made; see `tde_error`.
         scale_proven: The condition is proven for M̄ times this; None unless asked for.
         scale_refuted: A counter-example was found for M̄ times this; None unless asked for.
+        reason: Why the proof stopped where it did; empty where none was asked for.
         method: How `lower` and `upper` were obtained, one sentence each.
         remedy: Of a violation that a search found: the joint to blame, and what multiple of M̄ would do.
     """
@@ -73,6 +74,7 @@ class ConditionReport(Judged):
     tde_error: Array | None = field(default=None, repr=False)
     scale_proven: float | None = None
     scale_refuted: float | None = None
+    reason: str = ""
     method: tuple[str, ...] = ()
     remedy: WhatWouldHelp | None = None
 
@@ -100,6 +102,7 @@ class ConditionReport(Judged):
             f"{largest}; smallest {self.smallest:.6g}",
             *scale_lines(self.scale_proven, self.scale_refuted),
             *bound_lines(self.upper),
+            *stop_lines(self.reason),
             *([f"worst case: {self.worst_case}"] if self.worst_case else []),
             *(self.remedy.lines() if self.remedy is not None else []),
         ]
@@ -129,7 +132,7 @@ class ConditionReport(Judged):
         if self.worst_case:
             content["worst_case"] = self.worst_case  # without it, `worst_q` would be half a counter-example
         if self.kind == "certified":
-            content |= {"scale_proven": self.scale_proven, "scale_refuted": self.scale_refuted}
+            content |= {"scale_proven": self.scale_proven, "scale_refuted": self.scale_refuted, "reason": self.reason}
         return content
 
 
@@ -151,3 +154,8 @@ def bound_lines(upper: float | None) -> list[str]:
         return []
     bound = f"at most {rounded_up(upper)}" if upper < 1.0 else "below 1"
     return [f"the norm is proven to be {bound} over the box"]
+
+
+def stop_lines(reason: str) -> list[str]:
+    """Why a proof went no further."""
+    return [f"the proof stopped because: {reason}"] if reason else []

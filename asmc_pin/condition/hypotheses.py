@@ -23,6 +23,9 @@ NAMES: dict[Condition, str] = {"lemma1": "Lemma 1", "weighted": "The weighted co
 Where: TypeAlias = Literal["box", "motion", "tube", "boxes"]
 
 
+_FEW_LOCKS = 4
+"""So many locked joints stand in a headline one by one."""
+
 WHOLE_TURN = 2.0 * math.pi * (1.0 - 1e-12)
 """From this range on, rad, the ends of a joint's range are the same configuration, up to rounding."""
 
@@ -131,7 +134,9 @@ class Premises:
         if self.payload is not None:
             supposed.append(f"payload {_words(self.payload.mass)} kg")
         if self.locked:
-            supposed.append(f"{self._locks()} locked")
+            # The rows have them all; a headline with forty names says nothing any more.
+            few = len(self.locked) <= _FEW_LOCKS
+            supposed.append(f"{self._locks()} locked" if few else f"{len(self.locked)} joints locked")
         return quoted(self.arm) + (f" with {', '.join(supposed)}" if supposed else "")
 
     def to_json_dict(self) -> dict[str, Any]:

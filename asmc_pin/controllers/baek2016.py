@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -74,6 +75,12 @@ class Baek2016(TdeLaw):
         "τ = PPC + M̄ K̂ sgn(s);  dk̂ᵢ/dt = φᵢ (|sᵢ|/αᵢ)^θ θ, θ = sgn(‖s‖_∞ − ε), but +1 where k̂ᵢ = 0"
     )
     reference: ClassVar[str] = "Baek, Jin, Han (2016), eqs. (9)–(11)"
+    oracle: ClassVar[str] = "implicit: s_{k+1} = −g N_k inside the band; explicit: k̂ tick by tick as (11)"
+    claim: ClassVar[str] = "s is uniformly ultimately bounded (Theorem 1), in continuous time."
+    fails: ClassVar[str] = (
+        "Sampled, s crosses 0 within periods and (16) is broken there: `compare` shows by how much and why."
+    )
+    typical: ClassVar[Mapping[str, float | str]] = {"phi": 5.0, "alpha": 0.1, "epsilon": 0.05}
     theorem1: ClassVar[bool] = True
 
     phi: PerJoint = PerJoint("φ", "rad/s³", above=0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -72,6 +73,13 @@ class Plestan2010(TdeLaw):
         "τ = PPC + M̄ k̂ sgn(s);  dk̂/dt = k̄ ‖s‖₂ sgn(‖s‖₂ − ε) if k̂ > μ, else μ;  ε a number, or 4 k̂ L"
     )
     reference: ClassVar[str] = "Plestan, Shtessel, Bregeault, Poznyak (2010)"
+    oracle: ClassVar[str] = "implicit: s_{k+1} = −g N_k inside the band; explicit: k̂ tick by tick as printed"
+    claim: ClassVar[str] = "s comes into ‖s‖ < ε in finite time with a gain that can fall again."
+    fails: ClassVar[str] = (
+        "With a constant ε below 4 k̂ L the switching itself keeps s outside, and k̂ grows; a drive at its limit "
+        "makes k̂ grow too."
+    )
+    typical: ClassVar[Mapping[str, float | str]] = {"rate": 50.0, "epsilon": "4KL", "floor": 0.1}
 
     rate: Scalar = Scalar("k̄", "1/s²", at_least=0.0)
     epsilon: ScalarOrWord = ScalarOrWord("ε, or the authors' 4 k̂ L", "rad/s", words=("4KL",), above=0.0)

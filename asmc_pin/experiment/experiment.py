@@ -26,6 +26,7 @@ from asmc_pin.experiment.variation.sweep_table import sweep_problems, variation_
 from asmc_pin.metrics import MetricSettings
 from asmc_pin.plant import Plant
 from asmc_pin.references import OnAnArm, Reference
+from asmc_pin.words.interface import speaking
 from asmc_pin.words.shown import Cells, Shown
 
 
@@ -130,7 +131,7 @@ class Experiment(Shown, ExperimentTables):
 
     def lines(self) -> list[str]:
         """What it is about: arm, motion, timing."""
-        carried = self.arm.model_dump(exclude={"source"}, exclude_none=True)
+        carried = self.arm.model_dump(exclude={"source"}, exclude_none=True, exclude_defaults=True)
         options = "".join(f", {key} {value}" for key, value in carried.items())
         return [
             f"{self.name}: {len(self.controllers)} controllers on {self.arm.source}{options}",
@@ -167,7 +168,8 @@ class Experiment(Shown, ExperimentTables):
             if "package" in options:
                 options["package"] = {name: self._folder / where for name, where in options["package"].items()}
             try:
-                self._arm = load_arm(source, **options)
+                with speaking("experiment"):
+                    self._arm = load_arm(source, **options)
             except ParameterError as error:
                 text = str(error).removeprefix(f"{error.parameter}: ")
                 experiment_checks.fail([Mistake(f"arm.{error.parameter}", text)], self._origin)

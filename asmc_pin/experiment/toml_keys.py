@@ -150,13 +150,23 @@ class ArmTable(TomlTable):
         description="reflected rotor inertia, kg·m² (kg): per joint, or joint = value; else the arm's own",
     )
     lock: Annotated[dict[str, Any] | None, BeforeValidator(_lock), WithJsonSchema(_LOCK_SCHEMA)] = Field(
-        default=None, description='joints to fix: name = angle, rad (m); "free" frees one that is locked by default'
+        default=None,
+        description='joints to fix: name or pattern = angle, rad (m); "free" frees one that is locked by default',
+    )
+    chain: list[str] | None = Field(
+        default=None,
+        min_length=2,
+        max_length=2,
+        description="links, base and tip: only joints between them move, the others are locked near zero",
     )
     gravity: list[float] | None = Field(
         default=None,
         min_length=3,
         max_length=3,
         description="gravity in the base frame, m/s²; [0, 0, -9.81] if omitted",
+    )
+    repair: bool = Field(
+        default=False, description="take inertia tensors that no rigid body has to the nearest possible ones"
     )
     xacro: dict[str, str | int | float | bool] | None = Field(
         default=None, description="arguments of a xacro file: name = value"

@@ -14,14 +14,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from asmc_pin._typing import Array
-from asmc_pin.pages.curves import envelope, running_max, spread, thinned
-from asmc_pin.pages.figure_style import COLUMN, GREY, PAGE, paper_style, save
+from asmc_pin.pages.curves import running_max, spread, thinned
+from asmc_pin.pages.figure_style import BAND, COLUMN, GREY, PAGE, paper_style, save, shade, shade_sizes
 from asmc_pin.pages.summary_tables import short_names
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.words.media import for_figure
 
 TIME = "Time [s]"
-BAND = "Lines: the first trial. Shaded, where there are several trials: 5 % to 95 % of them at each tick."
 FAR_APART = 15.0
 """From this ratio on between the laws' RMS values a linear axis would show the largest only."""
 
@@ -103,10 +102,10 @@ def errors_figure(dataset: xr.Dataset, limit: Array) -> Figure:
         for _, color, k in _controllers(dataset):
             if logarithmic:
                 axis.plot(*running_max(time, factor * np.abs(error[k, :, i])), color=color)
-                _largest_band(axis, dataset, k, i, factor, color)
+                shade_sizes(axis, dataset.isel(controller=k), i, factor, color)
             else:
-                _band(axis, dataset, "error", k, i, factor, color)
                 axis.plot(*thinned(time, factor * error[k, :, i]), color=color)
+                shade(axis, dataset.isel(controller=k), "error", i, factor, color)
         if logarithmic:
             axis.set_yscale("log")
             low, high = axis.get_ylim()
@@ -133,10 +132,10 @@ def gains_and_s_figure(dataset: xr.Dataset, limit: Array) -> Figure:
         metre = "m" if dataset.joint_kind.to_numpy()[i] == "prismatic" else "rad"
         for _, color, k in _controllers(dataset):
             axes[i, -1].plot(*thinned(time, s[k, :, i]), color=color, linewidth=0.6)
-            _band(axes[i, -1], dataset, "s", k, i, 1.0, color)
+            shade(axes[i, -1], dataset.isel(controller=k), "s", i, 1.0, color)
             if k in adaptive:
-                _band(axes[i, 0], dataset, "gain", k, i, 1.0, color)
                 axes[i, 0].plot(*thinned(time, gains[k, :, i]), color=color)
+                shade(axes[i, 0], dataset.isel(controller=k), "gain", i, 1.0, color)
         axes[i, -1].set_ylabel(rf"$s_{{{i + 1}}}$ [{metre}/s]")
         if adaptive:
             axes[i, 0].set_ylabel(rf"$\hat{{k}}_{{{i + 1}}}$ [{metre}/s$^2$]")
@@ -162,7 +161,7 @@ def torques_figure(dataset: xr.Dataset, limit: Array) -> Figure:
         for label, color, k in controllers:
             axis = axes[i, k]
             axis.plot(*thinned(time[:-1], torque[k, :-1, i], points=600), color=color, linewidth=0.5)
-            _band(axis, dataset, "torque", k, i, 1.0, color)
+            shade(axis, dataset.isel(controller=k), "torque", i, 1.0, color)
             if largest > 0.6 * limit[i]:
                 for side in (-limit[i], limit[i]):
                     axis.axhline(side, color=GREY, linestyle="--", linewidth=0.6)
@@ -174,22 +173,6 @@ def torques_figure(dataset: xr.Dataset, limit: Array) -> Figure:
         axis.set_xlabel(TIME)
     _whole_run(figure, time)
     return figure
-
-
-def _band(axis: Axes, dataset: xr.Dataset, name: str, k: int, joint: int, factor: float, color: str) -> None:
-    """Shade where nine of ten trials lie; nothing of a single trial."""
-    if f"{name}_low" in dataset:
-        low, high = (factor * dataset[f"{name}_{end}"].to_numpy()[k, :, joint] for end in ("low", "high"))
-        axis.fill_between(*envelope(dataset.time.to_numpy(), low, high), color=color, alpha=0.25, linewidth=0.0)
-
-
-def _largest_band(axis: Axes, dataset: xr.Dataset, k: int, joint: int, factor: float, color: str) -> None:
-    """The same of the largest error in each window, as the line beside it shows it."""
-    if "error_size_low" in dataset:
-        time = dataset.time.to_numpy()
-        ends = [factor * dataset[f"error_size_{end}"].to_numpy()[k, :, joint] for end in ("low", "high")]
-        (middle, low), (_, high) = (running_max(time, end) for end in ends)
-        axis.fill_between(middle, low, high, color=color, alpha=0.25, linewidth=0.0)
 
 
 def _joint_grid(dataset: xr.Dataset) -> tuple[Figure, list[Axes]]:

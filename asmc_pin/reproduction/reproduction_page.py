@@ -74,21 +74,21 @@ def _sure(data: Mapping[str, Any]) -> str:
     """What the brackets are, and how wide the widest is."""
     items = list(data["experiments"].values())
     moves = [
-        (high / low - 1.0, f"{label} at joint {joint + 1}, Table {item['table']}, {item['set']}")
+        (high / low, f"{label} at joint {joint + 1}, Table {item['table']}, {item['set']}")
         for item in items
         for label, run in item["controllers"].items()
         for joint, (low, high) in enumerate(zip(run["rms_deg_low"], run["rms_deg_high"], strict=True))
         if low and high
     ]
-    most, where = max(moves, default=(0.0, "none"))
+    most, where = max(moves, default=(1.0, "none"))
     trials = sorted({item["trials"] for item in items})
     return (
         f"Figures are medians of {', '.join(map(str, trials))} trials whose starts differ by "
         f"{items[0]['q0_deviation']:g} rad, the first unchanged, and in brackets 5 % and 95 % where that is printed "
         "differently. This is numerical sensitivity for this plant and these gains: a start that nobody could tell "
-        f"apart moves an RMS error by up to {100.0 * most:.2g} % ({where}). In the ordering of the controllers a place "
-        "counts where the paired ratios are certain of it ([statistics](statistics.md)); the other claims are judged "
-        "by medians. Curves, theorems and the search of readings are of the first trial."
+        f"apart moves an RMS error by a factor of up to {number(most, 2)} ({where}). In the ordering of the "
+        "controllers a place counts where the paired ratios are certain of it ([statistics](statistics.md)); the other "
+        "claims are judged by medians. Curves, theorems and the search of readings are of the first trial."
     )
 
 
@@ -148,12 +148,12 @@ def _tables(data: Mapping[str, Any]) -> Iterator[str]:
                 [
                     label,
                     "–" if told is None else _pair(told, factor),
-                    _spread(run, "rms_deg", factor),
+                    medians(run, "rms_deg", factor),
                     "–" if told is None else _ratio(run["rms_deg"], told),
-                    _spread(run, "max_error_deg", factor),
-                    _spread(run, "torque_max"),
-                    _spread(run, "torque_variation"),
-                    _spread(run, "peak_gain"),
+                    medians(run, "max_error_deg", factor),
+                    medians(run, "torque_max"),
+                    medians(run, "torque_variation"),
+                    medians(run, "peak_gain"),
                 ]
             )
             if run["status"] != "ok":
@@ -220,7 +220,11 @@ def _theorems(data: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _figures(data: Mapping[str, Any], folder: str) -> Iterator[str]:
-    yield "Dashed: the range that the paper's figure shows. BSMC and Existing are the tuned rows."
+    yield (
+        "Dashed: the range that the paper's figure shows. BSMC and Existing are the tuned rows. Lines: the first "
+        "trial; shaded in errors, gains and sliding variables: 5 % to 95 % of all trials, as far as "
+        "three times the line's largest value."
+    )
     yield ""
     for name, caption in data["figures"].items():
         yield f"![{caption}]({folder}/{name}.png)"
@@ -279,7 +283,12 @@ def _pair(values: Sequence[float | None], factor: float = 1.0) -> str:
     return " / ".join(_number(None if x is None else factor * x) for x in values)
 
 
-def _spread(run: Mapping[str, Any], name: str, factor: float = 1.0) -> str:
+def plain_pair(values: Sequence[float] | None) -> str:
+    """What the paper prints of both joints; a dash where it prints nothing."""
+    return "–" if values is None else _pair(values)
+
+
+def medians(run: Mapping[str, Any], name: str, factor: float = 1.0) -> str:
     """Medians of the joints, each with its 5 % and 95 % where they are printed differently; ∞ where failures reach."""
     cells = []
     for middle, low, high in zip(run[name], run[f"{name}_low"], run[f"{name}_high"], strict=True):

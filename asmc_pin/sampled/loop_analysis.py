@@ -26,6 +26,7 @@ from asmc_pin.words.units import check_delay, check_period
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
+    from asmc_pin.controllers import TdeLaw
 
 SAMPLES = 2048
 """Configurations before the local search."""
@@ -43,6 +44,7 @@ def stability(
     delay: float = 0.0,
     sensor: LoopSensor | None = None,
     pairing: Pairing = "matched",
+    law: TdeLaw | None = None,
     viscous: ArrayLike | None = None,
     box: BoxLike = None,
     payload: PayloadRange = None,
@@ -65,6 +67,8 @@ def stability(
         delay: Transport delay of the torque, periods; see docs/stability.md.
         sensor: What the drives report, see `loop_sensor`; the truth by default.
         pairing: Torque that goes with the estimate; see `SampledLoop`.
+        law: A law that is linear, at least near its set point, in the place of PPC; with M̄, K_s, β and L as given here,
+            and its own estimate of q̈(t−L).
         viscous: Viscous friction to include, a scalar or nv values, N·m·s/rad; none by default, the careful choice.
         box: Joint box; the arm's own by default.
         payload: As for `verify`: one, or the ends of a range.
@@ -80,7 +84,7 @@ def stability(
     """
     arms = frozen_arms(arm, box, payload=payload, armature=armature, lock=lock)
     timing: dict[str, Any] = {"acceleration": acceleration, "filter_hz": filter_hz, "delay": delay, "pairing": pairing}
-    timing |= {} if sensor is None else sensor.timing
+    timing |= {"law": law, **({} if sensor is None else sensor.timing)}
     loop = loop_for(arms.arm, mbar, ks, beta, period, **timing)
     friction = None if viscous is None else _viscous(viscous, arms.nv)
     return examine(spaces_of(arms, samples=samples, seed=seed, viscous=friction), loop, limits=limits, sensor=sensor)

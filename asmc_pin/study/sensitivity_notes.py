@@ -22,7 +22,7 @@ def sensitivity_lines(experiment: Experiment, rows: pd.DataFrame) -> list[str]:
         return []
     joints, told = list(dict.fromkeys(rows.joint)), []
     for label, moves, count in zip(labels_of(rows), sensitivity(rows, "rms_error"), failed, strict=True):
-        if not np.isfinite(moves).all():
+        if count and not np.isfinite(moves).all():
             told.append(f"{label}, of which {count} of {trials} trials diverged")
         else:
             worst = int(np.argmax(moves))

@@ -126,7 +126,7 @@ def test_what_ends_a_run_from_outside_is_one_message_too(asmc_pin, monkeypatch, 
         raise raised
 
     monkeypatch.setattr("asmc_pin.condition.verify", fail)
-    given, out, err = asmc_pin("verify", "ur5", "--mbar", "0.1")
+    given, out, err = asmc_pin("verify", "ur10", "--mbar", "0.1")  # an arm without doubts that would be told first
     assert (given, out) == (status, "")
     assert err.startswith(f"asmc-pin: {says}")
     assert err.count("\n") == 1

@@ -16,7 +16,8 @@ from asmc_pin._typing import Array
 from asmc_pin.condition import lemma1_norm, weighted_norm
 from asmc_pin.condition.certificate import CertificateResult, certify
 from asmc_pin.condition.certificate.compiled.bisection_tree import DONE, explore
-from asmc_pin.condition.certificate.statement_forms import Kind, Statement, problem_of
+from asmc_pin.condition.certificate.statement import Kind, Statement
+from asmc_pin.condition.certificate.statement_forms import problem_of
 from asmc_pin.rigid_body.coupling import uncoupled
 from asmc_pin.rigid_body.mass_matrix import mass_matrices
 from asmc_pin.rigid_body.tree import Tree

@@ -217,6 +217,13 @@ def read_document(path: Path, reading: Reading | None = None) -> Document:
     return document.rewritten() if changed or expanded or with_known_version(text) != text else document
 
 
+def parsed_again(path: Path, text: str, sha256: str, provisos: tuple[Proviso, ...], mjcf: MjcfModel | None) -> Document:
+    """The document that a text of `Document.text` belongs to."""
+    root = _parsed(path, text)
+    _drop_namespaces(root)
+    return Document(path=path, text=text, sha256=sha256, root=root, provisos=provisos, mjcf=mjcf)
+
+
 def _parsed(path: Path, text: str) -> Any:
     """The tree of an XML text, with nothing expanded and nothing fetched."""
     # Both parsers see the same bytes: what one reads otherwise than the other is a way past the first.

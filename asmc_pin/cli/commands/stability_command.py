@@ -11,7 +11,15 @@ from asmc_pin.cli.app import MBAR, app
 from asmc_pin.cli.commands.condition_commands import check_proof_options, report_path
 from asmc_pin.cli.console import note, print_json, say
 from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
-from asmc_pin.cli.loop_options import AccelerationOption, DelayOption, FilterOption, loop_proof_of
+from asmc_pin.cli.loop_options import (
+    AccelerationOption,
+    DelayOption,
+    FilterOption,
+    LawOption,
+    SetOption,
+    law_of,
+    loop_proof_of,
+)
 from asmc_pin.cli.next_step import SENSED, again, say_next
 from asmc_pin.cli.options import (
     ArmArgument,
@@ -47,6 +55,8 @@ def stability(
     ks: Annotated[str, typer.Option(metavar="K1,K2,…", help="Diagonal of K_s, 1/s, or one value for all joints.")],
     beta: Annotated[str, typer.Option(metavar="B", help="β, 1/s.")],
     period: Annotated[str, typer.Option(metavar="S", help="Control period L.")],
+    law: LawOption = None,
+    settings: SetOption = None,
     acceleration: AccelerationOption = "velocity",
     filter_hz: FilterOption = None,
     delay: DelayOption = 0.0,
@@ -93,6 +103,20 @@ def stability(
         velocity_noise=velocity_noise,
         torque_noise=torque_noise,
     )
+    # A law cannot see that the drives make v by difference; an experiment says so too.
+    differs = sensor is not None and sensor.timing["velocity"] == "difference"
+    paired = "mean" if pairing == "matched" and differs else pairing
+    chosen = law_of(
+        law,
+        settings,
+        mbar=values,
+        ks=slopes,
+        beta=rate,
+        period=length,
+        acceleration=acceleration,
+        filter_hz=filter_hz,
+        pairing=paired,
+    )
     from asmc_pin.sampled import stability as run
 
     found = run(
@@ -106,6 +130,7 @@ def stability(
         delay=delay,
         sensor=sensor,
         pairing=pairing,
+        law=chosen,
         box=ranges,
         **domain,
     )
@@ -130,9 +155,9 @@ def stability(
         from asmc_pin.sampled.proof.loop_certificate import not_plain
 
         say(*found.lines())
-        if not found.stable:
+        if not found.stable and law is None:
             say_next("gains that this period bears", again(context, "design", "--gains", also=("period", *SENSED)))
-        elif not certify and not_plain(found.loop) is None:
+        elif found.stable and not certify and not_plain(found.loop) is None:
             say_next(
                 "a proof", again(context, "stability", "--certify", also=("mbar", "ks", "beta", "period", *SENSED))
             )

@@ -8,6 +8,7 @@ import typer
 
 from asmc_pin.cli.app import PICTURES, STUDIES, app
 from asmc_pin.cli.console import announce_compiling, note, print_json, progress_bar, rich_console, say
+from asmc_pin.cli.loading_options import tell_doubts
 from asmc_pin.cli.options import JsonOption
 from asmc_pin.disk.files import check_writable
 from asmc_pin.words.text import visible
@@ -43,6 +44,7 @@ def compare(
     announce_compiling()
     from asmc_pin.study import compare as run
 
+    tell_doubts(loaded.build_arm(), loaded.arm.source)
     with progress_bar() as progress:
         comparison = run(loaded, out=out, force=force, progress=progress, warn=warn, refine=refine)
     if as_json:
@@ -98,6 +100,7 @@ def demo() -> None:
     announce_compiling()
     experiment = load_experiment("demo")
     arm = experiment.build_arm()
+    tell_doubts(arm, experiment.arm.source)
     say("1. May this M̄ be used?")
     with progress_bar() as progress:
         progress("searching", 0.0)

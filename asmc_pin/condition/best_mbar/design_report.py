@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.condition_report import ConditionReport
+from asmc_pin.condition.condition_report import ConditionReport, stop_lines
 from asmc_pin.condition.hypotheses import Condition, Hypotheses
 from asmc_pin.words.shown import UNDEFINED, Cells, Shown
 from asmc_pin.words.text import printable, rounded_down, rounded_up
@@ -310,10 +310,13 @@ class DesignReport(Shown):
 
     @staticmethod
     def _proven(check: ConditionReport) -> list[str]:
-        if not check.scale_proven:
+        if check.kind != "certified":
             return []
+        if not check.scale_proven:
+            return ["nothing is proven of it over the box", *stop_lines(check.reason)]
         bound = "" if check.upper is None else f"the norm is at most {rounded_up(check.upper)} over the box, and "
-        return [f"proven: {bound}the condition holds for M̄ times {rounded_down(check.scale_proven)}"]
+        proven = f"proven: {bound}the condition holds for M̄ times {rounded_down(check.scale_proven)}"
+        return [proven, *stop_lines(check.reason)]
 
     def _limits(self) -> list[str]:
         return [

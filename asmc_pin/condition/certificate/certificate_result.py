@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from asmc_pin._typing import Array
 from asmc_pin.condition.certificate.container import numbers
 from asmc_pin.condition.certificate.writing import Proof, seen, write
-from asmc_pin.condition.condition_report import bound_lines, scale_lines
+from asmc_pin.condition.condition_report import bound_lines, scale_lines, stop_lines
 from asmc_pin.condition.hypotheses import Hypotheses
 from asmc_pin.condition.judged import Judged
 from asmc_pin.condition.premises import worst_keys
@@ -91,7 +91,7 @@ class CertificateResult(Judged):
             f"largest norm found {self.lower:.6g}",
             *scale_lines(self.scale_proven, self.scale_refuted),
             *bound_lines(self.upper),
-            f"it stopped because: {self.reason}",
+            *stop_lines(self.reason),
         ]
 
     def save(self, path: str | Path) -> Path:
@@ -139,4 +139,5 @@ class CertificateResult(Judged):
             "seconds": self.seconds,
             "scale_proven": self.scale_proven,
             "scale_refuted": self.scale_refuted,
+            "reason": self.reason,
         }

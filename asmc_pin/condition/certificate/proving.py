@@ -12,17 +12,16 @@ from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
 from asmc_pin.condition.certificate.certificate_result import CertificateResult, Verdict
 from asmc_pin.condition.certificate.compiled.bisection_tree import LEAF
-from asmc_pin.condition.certificate.stopping import INTERRUPTED
+from asmc_pin.condition.certificate.stopping import FREED, INTERRUPTED
 from asmc_pin.condition.certificate.strategy import ProofProgress, Prover
 from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.certificate.worst_known import Worst
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, LockChoices, PayloadRange
-from asmc_pin.condition.domain.joint_box import BoxLike
+from asmc_pin.condition.domain.joint_box import BoxLike, idle_note
 from asmc_pin.condition.domain.statement_cases import domains
 from asmc_pin.condition.norm.two_conditions import Condition, check_condition, check_mbar
 from asmc_pin.condition.premises import hypotheses_of
 from asmc_pin.errors import ParameterError
-from asmc_pin.words.text import printable
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -170,6 +169,6 @@ def _check(name: str, value: float, good: bool, expected: str) -> None:
 
 
 def _notes(case: Any) -> tuple[str, ...]:
-    arm, idle = case.domain.arm, case.domain.box.idle
-    names = ", ".join(f"'{printable(name)}'" for name, still in zip(arm.joint_names, idle, strict=True) if still)
-    return (f"M(q) does not depend on joint {names}, which carries the whole arm",) if names else ()
+    said = idle_note(case.domain.arm, case.domain.box)
+    notes = (said,) if said else ()
+    return (*notes, FREED) if case.domain.arm.mimics else notes

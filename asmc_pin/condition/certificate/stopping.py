@@ -8,7 +8,8 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.certificate.compiled.bisection_tree import DEEPEST
-from asmc_pin.condition.certificate.statement_forms import MARGIN, Statement
+from asmc_pin.condition.certificate.statement import Statement
+from asmc_pin.condition.certificate.statement_forms import MARGIN
 from asmc_pin.condition.certificate.walk import Status
 
 GAP_MET = "the gap is met"
@@ -19,7 +20,14 @@ NORM_REFUTED = "a configuration was found whose norm is not below the level"
 LEVEL_PROVEN = "the level asked for is proven"
 SHARE_SPENT = "its share of the time was spent"
 TOO_SLOW = "it would not have ended in time"
-COUPLED = "searched only: the prover does not know joints that mimic others; lock those that they follow"
+FREED = (
+    "joints that mimic others: proven as if each moved freely and bore a share of its m̄, which is sufficient and may "
+    "fall short of what holds; in floating point alone, no certificate can be written and replayed"
+)
+SHARES = (
+    "joints that mimic others are proven as if each moved freely and bore a share of its m̄, which is more than has to "
+    "hold, and does not"
+)
 PLACES = "searched only: no proof covers a range of the payload's place; ask for each place alone"
 
 NEAREST = 4.0 * MARGIN

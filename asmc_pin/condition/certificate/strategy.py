@@ -11,7 +11,9 @@ import numpy as np
 
 from asmc_pin._typing import Array, IntArray
 from asmc_pin.condition.certificate import stopping
-from asmc_pin.condition.certificate.statement_forms import MARGIN, Kind, Statement, problem_of
+from asmc_pin.condition.certificate.mimic_shares import halved
+from asmc_pin.condition.certificate.statement import Kind, Statement
+from asmc_pin.condition.certificate.statement_forms import MARGIN, problem_of
 from asmc_pin.condition.certificate.stopping import Obstacle
 from asmc_pin.condition.certificate.walk import UNKNOWN, Record, Walk, in_joints, prove
 from asmc_pin.condition.certificate.worst_known import Worst
@@ -54,12 +56,13 @@ class ProofProgress:
 def unprovable(cases: Sequence[Case]) -> str:
     """Why nothing is proven of some cases; empty where all that matters is covered by them."""
     arms = [case.domain.arm for case in cases]
-    if arms[0].mimics:
-        return stopping.COUPLED
     if has_places([arm.payload for arm in arms]):
         return stopping.PLACES
     return ""
 
+
+_CUTS = 128
+"""How often a box of joints that mimic others is cut, each piece with shares of its own."""
 
 _QUICK = 0.1
 """Share of the time left below which an attempt was quick, and the next may ask for all at once."""
@@ -192,6 +195,8 @@ class Prover:
             of: What was tried.
         """
         assert self.obstacle is not None
+        if self._cases[0].domain.arm.mimics:
+            return stopping.SHARES
         return self.obstacle.reason(near=left <= stopping.NEAREST * of)
 
     def _scale_statements(self, scale: float) -> list[Statement]:
@@ -227,29 +232,55 @@ class Prover:
             records = []
             for joints in mine:
                 watch = _Watch(self, label, patient, number, count)
-                walk = self._walk(statement, joints, watch)
-                self.tests += walk.tests
+                walk, own = self._branch(statement, joints, watch)
                 if walk.status == "stopped":
                     return "slow" if watch.slow else "stopped"
                 if walk.q is not None:
                     # The other branches do not matter to this one: anywhere will do.
-                    q = np.array(self._cases[statement.case].domain.box.centre)
-                    q[joints] = walk.q
+                    domain = self._cases[statement.case].domain
+                    q = np.array(domain.box.centre)
+                    q[joints] = walk.q[branch_of(domain.arm.tree, joints).coupling.leader]
                     self.worst.climb(statement.case, q, statement.armature)
                     self.obstacle = Obstacle(walk.status, statement, q)
                     return "blocked"
-                records.append(in_joints(walk.record, joints))
+                records += own
                 number += 1
             proofs.append(Proof(statement, np.concatenate(records)))
         self.proofs[key] = tuple(proofs)
         return "proven"
 
-    def _walk(self, statement: Statement, joints: IntArray, watch: _Watch) -> Walk:
-        """Bisect the box of one branch, beginning with the halvings of the last walk of it that was one to the end."""
+    def _branch(self, statement: Statement, joints: IntArray, watch: _Watch) -> tuple[Walk, list[Record]]:
+        """Prove one branch's box, in pieces where joints mimic others; the last walk, and the records of all."""
         domain = self._cases[statement.case].domain
-        lower, upper = domain.box.lower[joints], domain.box.upper[joints]
+        tree, whole = branch_of(domain.arm.tree, joints), domain.box.of(joints)
+        pieces, cuts = [(whole.lower, whole.upper)], 0
+        records: list[Record] = []
+        while True:
+            piece = pieces.pop()
+            walk = self._walk(statement, joints, piece, watch)
+            self.tests += walk.tests
+            if walk.status == "proven":
+                # Of joints that mimic others no record is written, and there is none in the arm's own numbers.
+                records.append(walk.record if tree.coupling.follows else in_joints(walk.record, joints))
+                if pieces:
+                    continue
+                return walk, records
+            # What is only sufficient loses less over a smaller box.
+            halves = halved(tree, whole, piece) if tree.coupling.follows and walk.q is not None else []
+            if not halves or cuts == _CUTS:
+                return walk, records
+            if time.monotonic() > self.deadline:
+                return replace(walk, status="stopped"), records
+            pieces += halves
+            cuts += 1
+
+    def _walk(self, statement: Statement, joints: IntArray, box: tuple[Array, Array], watch: _Watch) -> Walk:
+        """Bisect a box of one branch, beginning with the halvings of the last walk of it that was one to the end."""
+        domain = self._cases[statement.case].domain
+        lower, upper = box
         own = replace(statement, armature=statement.armature[joints], slack=statement.slack[joints])
-        name = statement.kind, statement.case, int(joints[0]), statement.armature.tobytes()
+        place = np.concatenate((statement.armature, lower, upper)).tobytes()
+        name = statement.kind, statement.case, int(joints[0]), place
         walk = prove(
             problem_of(branch_of(domain.arm.tree, joints), lower, upper, self._mbar[joints], own),
             hint=self._hints.get(name, UNKNOWN),

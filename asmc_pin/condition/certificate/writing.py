@@ -22,7 +22,7 @@ from asmc_pin.condition.certificate.container import (
     digest,
     numbers,
 )
-from asmc_pin.condition.certificate.statement_forms import Statement
+from asmc_pin.condition.certificate.statement import Statement
 from asmc_pin.condition.certificate.walk import Record
 from asmc_pin.condition.domain.payload_ranges import has_places
 from asmc_pin.disk.files import write_whole

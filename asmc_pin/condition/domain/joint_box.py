@@ -12,6 +12,7 @@ from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.arms.urdf.magnitudes import LIMIT
 from asmc_pin.condition.hypotheses import WHOLE_TURN
 from asmc_pin.errors import ParameterError
+from asmc_pin.words.text import quoted
 from asmc_pin.words.units import check_range
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ class Box:
         upper: The same.
         periodic: Joints whose range is a full turn, so that its ends are the same configuration; none whose followers
             would be elsewhere.
-        idle: Joints that M does not depend on, because they carry the whole arm.
+        idle: Joints that M does not depend on: those on the base, which move all that hangs on them as a whole.
     """
 
     lower: Array
@@ -58,6 +59,16 @@ class Box:
         """The configuration of the box that is q up to whole turns of periodic joints; others are clipped."""
         turned = self.lower + np.mod(q - self.lower, FULL_TURN)
         return np.clip(np.where(self.periodic, turned, q), self.lower, self.upper)
+
+
+def idle_note(arm: Arm, box: Box) -> str:
+    """What to say of the joints that M does not depend on; empty where there is none."""
+    names = [quoted(name) for name, idle in zip(arm.joint_names, box.idle, strict=True) if idle]
+    if not names:
+        return ""
+    if len(names) == 1:
+        return f"M(q) does not depend on joint {names[0]}, which carries the whole arm"
+    return f"M(q) does not depend on joints {', '.join(names)}: each hangs on the base and moves its branch as a whole"
 
 
 def asked_box(arm: Arm, box: BoxLike) -> BoxLike:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
@@ -75,7 +76,12 @@ class Adrc(TdeLaw):
 
     title: ClassVar[str] = "active disturbance rejection control, from position only"
     equation: ClassVar[str] = "τ = M̄ (q̈_d + (K_s + β)(q̇_d − ẑ₂) + β K_s (q_d − ẑ₁) − ẑ₃), ẑ of an observer of q"
+    estimates: ClassVar[bool] = False
     reference: ClassVar[str] = "Gao (2003), American Control Conf.; current form as Miklosovic, Radke, Gao (2006)"
+    oracle: ClassVar[str] = "the observer's error obeys (z − z_o)³ = 0; deadbeat its load is the mean of the last two"
+    claim: ClassVar[str] = "A load is estimated and taken out from position alone."
+    fails: ClassVar[str] = "A slow observer adds lag to the velocity too: K_s + β has to stay well below 2πf."
+    typical: ClassVar[Mapping[str, float | str]] = {"observer_hz": 60.0}
 
     observer_hz: Scalar = Scalar("bandwidth of the observer; inf for a deadbeat one", "Hz", above=0.0, infinite=True)
 

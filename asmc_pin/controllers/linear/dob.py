@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
@@ -65,6 +66,12 @@ class Dob(TdeLaw):
     title: ClassVar[str] = "disturbance observer (TDE with the whole estimate low-passed)"
     equation: ClassVar[str] = "τ = M̄ (q̈_d + K_s ė + β s − Γ̂);  Γ̂ = Γ̂(t−L) + c (q̈(t−L) − M̄⁻¹τ(t−L) − Γ̂(t−L))"
     reference: ClassVar[str] = "Umeno, Hori (1991), IEEE Trans. Ind. Electron. 38(5), in the form of (6)"
+    oracle: ClassVar[str] = "N_k = (1 − c a)N_{k−1} + (1 − a)(u_{k−1} − u_k) − Δh/m; the edge is c·a = 2"
+    claim: ClassVar[str] = (
+        "The condition on M̄ is that on cM̄, so that stiffness and bandwidth of the estimate are chosen apart."
+    )
+    fails: ClassVar[str] = "A low corner follows the load late: under a drifting load the error is that of PPC over c."
+    typical: ClassVar[Mapping[str, float | str]] = {"cutoff_hz": 50.0}
 
     cutoff_hz: Scalar = Scalar("corner of the low-pass on Γ̂; inf for none", "Hz", above=0.0, infinite=True)
 

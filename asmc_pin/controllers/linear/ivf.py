@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
@@ -78,6 +79,10 @@ class Ivf(TdeLaw):
     title: ClassVar[str] = "time-delay control with ideal velocity feedback"
     equation: ClassVar[str] = "τ = PPC + M̄ G z;  z = ∫ (q̈_d + K_s ė + β s) dt − q̇"
     reference: ClassVar[str] = "Jin, Kang, Chang (2008), IEEE Trans. Ind. Electron. 55(1)"
+    oracle: ClassVar[str] = "z_{k+1} = (1 − LG) z_k − L N_k; a steadily drifting load leaves no error"
+    claim: ClassVar[str] = "The TDE error reaches the motion through s/(s + G)."
+    fails: ClassVar[str] = "G adds lag: large G with small a is unstable, which `asmc-pin stability --law ivf` tells."
+    typical: ClassVar[Mapping[str, float | str]] = {"gain": 5.0}
 
     gain: PerJoint = PerJoint("G", "1/s", at_least=0.0)
 

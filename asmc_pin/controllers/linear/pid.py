@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar, NamedTuple
+from dataclasses import dataclass, replace
+from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -79,7 +79,14 @@ class Pid(TdeLaw):
 
     title: ClassVar[str] = "PID, velocity form with anti-windup"
     equation: ClassVar[str] = "τ = τ(t−L) + k_p Δe + k_i L e + k_d Δė"
+    estimates: ClassVar[bool] = False
     reference: ClassVar[str] = "ros2_control's PID, as increments; Åström, Hägglund (2006), Advanced PID Control"
+    oracle: ClassVar[str] = "the torque of PPC whose ė, q̈ and q̈_d are backward differences; e = h/k_p without integral"
+    claim: ClassVar[str] = "None but what its own map shows; as TDC's twin it has TDC's tuning."
+    fails: ClassVar[str] = (
+        "By position its map is that of an unpaired second difference: unstable at a = 1.95 with K_s = β = 20 at "
+        "1 kHz, where PPC is stable."
+    )
 
     kp: OptionalPerJoint = OptionalPerJoint("k_p; M̄(K_s + β)/L if not given", "N·m/rad", at_least=0.0)
     ki: OptionalPerJoint = OptionalPerJoint("k_i; M̄βK_s/L if not given", "N·m/(rad·s)", at_least=0.0)
@@ -125,6 +132,15 @@ class Pid(TdeLaw):
             return self.kp, self.ki, self.kd
         kd = self.mbar / self.period
         return kd * (self.ks + self.beta), kd * self.ks * self.beta, kd
+
+    def with_loop(self, mbar: Array, ks: Array, beta: Array, period: float) -> Self:
+        """The same law in another loop; gains that are given are multiplied by what those of the twin would be."""
+        if self.kp is None:
+            return super().with_loop(mbar, ks, beta, period)
+        pushed = mbar / self.mbar
+        faster, stiffer = (ks + beta) / (self.ks + self.beta), ks * beta / (self.ks * self.beta)
+        kp, ki, kd = self.kp * pushed * faster, self.ki * pushed * stiffer, self.kd * pushed
+        return replace(self, kp=kp, ki=ki, kd=kd, ks=ks, beta=beta, period=period)
 
     def init(self, sample: Sample) -> PidState:
         """State before the first tick."""

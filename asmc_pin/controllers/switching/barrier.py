@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -57,6 +58,10 @@ class Barrier(TdeLaw):
     reference: ClassVar[str] = (
         "Obeid, Fridman, Laghrouche, Harmouche (2018), Automatica 93; sampled: Ovalle et al. (2025)"
     )
+    oracle: ClassVar[str] = "|s|/ε = n/(1 + n), n = |N| − β|s|, under a load that stands"
+    claim: ClassVar[str] = "|s| < ε once it is reached, without a gain that is larger than needed."
+    fails: ClassVar[str] = "Sampled it is false unless U, L and ε fit: a period moves s by up to g(U + |N|)."
+    typical: ClassVar[Mapping[str, float | str]] = {"width": 0.05, "limit": 20.0}
 
     width: Scalar = Scalar("ε", "rad/s", above=0.0)
     limit: Scalar = Scalar("U, the largest k̂", "rad/s²", above=0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -44,6 +45,13 @@ class Implicit(TdeLaw):
     title: ClassVar[str] = "implicit sliding mode control (backward Euler)"
     equation: ClassVar[str] = "τ = PPC + M̄ clip(λ b/g, ±K);  b = s + L K_s ė − g (K_s ė + β s),  g = L (1 + K_s L/2)"
     reference: ClassVar[str] = "Acary, Brogliato (2010), Syst. Control Lett. 59(5); with TDE: this project"
+    oracle: ClassVar[str] = "s_{k+1} = (1 − λ) b_k − g N_k inside the band, whatever K is"
+    claim: ClassVar[str] = "K sgn(s) without chatter: raising K does not feed it."
+    fails: ClassVar[str] = (
+        "The band is a gain of λ/L: λ = 1 is unstable at a = 1.5, and barely at a = 0.0114 with K_s = 12, β = 9, "
+        "L = 1 ms. Take a smaller λ; `asmc-pin stability --law implicit`."
+    )
+    typical: ClassVar[Mapping[str, float | str]] = {"gain": 20.0, "share": 0.2}
 
     gain: PerJoint = PerJoint("K", "rad/s²", at_least=0.0)
     share: Scalar = Scalar("λ, the part of the next s that is taken away", above=0.0, at_most=1.0)

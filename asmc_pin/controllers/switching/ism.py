@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
@@ -71,6 +72,10 @@ class Ism(TdeLaw):
     title: ClassVar[str] = "integral sliding mode control (TDC with switching action)"
     equation: ClassVar[str] = "τ = PPC + M̄ K sgn(σ);  σ = ∫ (q̈_d + K_s ė + β s) dt − q̇, 0 at the start"
     reference: ClassVar[str] = "Utkin, Shi (1996), IEEE Conf. Decision and Control; with TDE: Chang, Park (2003)"
+    oracle: ClassVar[str] = "σ₀ = 0, σ_{k+1} = σ_k − L(w_k + N_k)"
+    claim: ClassVar[str] = "No reaching phase: σ = 0 from the start where K > |N|."
+    fails: ClassVar[str] = "Explicit sgn chatters: σ moves by L K a period, and the torque by 2 M̄ K."
+    typical: ClassVar[Mapping[str, float | str]] = {"gain": 2.0}
 
     gain: PerJoint = PerJoint("K", "rad/s²", at_least=0.0)
 

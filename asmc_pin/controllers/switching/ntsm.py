@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -69,6 +70,15 @@ class Ntsm(TdeLaw):
     reference: ClassVar[str] = (
         "Feng, Yu, Man (2002), Automatica 38(12); with TDE: Jin, Lee, Chang, Choi (2009), IEEE TIE 56(9)"
     )
+    oracle: ClassVar[str] = (
+        "p = 1 is PPC with K_s = B; |e|^{1−1/p} falls linearly on σ = 0, e is 0 in time but for order L"
+    )
+    claim: ClassVar[str] = "e reaches 0 in finite time."
+    fails: ClassVar[str] = (
+        "Near ė = 0 the term |ė|^{2−p} is endlessly steep: sampled, the law chatters there, within the boundary "
+        "layer too."
+    )
+    typical: ClassVar[Mapping[str, float | str]] = {"stiffness": 8.0, "gain": 2.0, "boundary": 0.05}
 
     exponent: Scalar = Scalar("p", at_least=1.0, below=2.0, default=5.0 / 3.0)
     stiffness: PerJoint = PerJoint("B", "(rad/s)^p/rad", above=0.0)

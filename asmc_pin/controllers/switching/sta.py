@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
@@ -89,6 +90,12 @@ class Sta(TdeLaw):
         "Levant (1993), Int. J. Control 58(6); with TDE: Kali et al. (2018), Nonlinear Dyn. 93(2); adaptive: Shtessel, "
         "Taleb, Plestan (2012), Automatica 48, 759–769"
     )
+    oracle: ClassVar[str] = "k₁ = k₂ = 0 is PPC; the mean of w is −N; |s| in the limit cycle is of order L²"
+    claim: ClassVar[str] = "s and ds/dt reach 0 in finite time where |dN/dt| is bounded, with a continuous torque."
+    fails: ClassVar[str] = (
+        "dN/dt is not bounded where friction changes its sign; sampled, s stays within what is of order L²."
+    )
+    typical: ClassVar[Mapping[str, float | str]] = {"k1": 2.0, "k2": 5.0}
 
     k1: PerJoint = PerJoint("k₁, gain on √|s|", "(rad/s³)^½", at_least=0.0)
     k2: PerJoint = PerJoint("k₂, gain of the integral", "rad/s³", at_least=0.0)

@@ -108,7 +108,7 @@ def certify_loop(
                 break
         else:
             reason = ""
-            if magnitude > 0.0:
+            if magnitude > 0.0 and not arm.mimics:
                 pieces, no_gravity = _under_gravity(all_cases, loop, provers, (least, largest), magnitude)
             else:
                 no_gravity = "there is none"
@@ -191,6 +191,15 @@ def check_plain(loop: SampledLoop) -> None:
 
 def not_plain(loop: SampledLoop) -> tuple[str, str] | None:
     """What of a loop no proof is made for, and why; None for the plain loop."""
+    if loop.law is not None:
+        weight = getattr(loop.law, "estimate_weight", None)
+        if weight is None:
+            return "law", f"a proof is of PPC's loop, not of that of {type(loop.law).__name__}"
+        scaled = ",".join(f"{value:.10g}" for value in weight * loop.mbar)
+        return "law", (
+            "a proof is of PPC's loop; of this law the condition on M̄ can be proven, which is that for cM̄: "
+            f"asmc-pin verify ARM --mbar {scaled} --certify"
+        )
     if not loop.modal:
         return "ks", "a proof needs one k_s and one β for all joints: only then do the modes separate"
     gains_and_pair = ("mbar", "ks", "beta", "period", "pairing")

@@ -43,6 +43,7 @@ class DrawnBody:
         mesh: What is drawn, in the joint's frame.
         ratio: How far the joint goes for one of the coordinate; 1 unless it mimics another.
         offset: Where it is while the coordinate is 0, rad or m.
+        opacity: 1 where nothing behind it is seen.
     """
 
     parent: int
@@ -53,6 +54,7 @@ class DrawnBody:
     mesh: Shaded
     ratio: float = 1.0
     offset: float = 0.0
+    opacity: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,7 @@ class DrawnArm:
         upright: Rotation that turns the arm's gravity downwards, shape (4, 4): an arm under a ceiling hangs.
         tip: DrawnBody and point in its frame, m, whose path is drawn.
         notes: What a person should know of the picture, such as missing meshes.
+        marks: What is drawn besides and stands still in some body, see `with_marks`.
     """
 
     name: str
@@ -74,6 +77,7 @@ class DrawnArm:
     upright: Array
     tip: tuple[int, Array]
     notes: tuple[str, ...]
+    marks: tuple[DrawnBody, ...] = ()
 
     def poses(self, q: Array) -> Array:
         """Poses of the bodies in the base frame. Shape of q (..., nv); of the result (..., bodies, 4, 4)."""

@@ -21,7 +21,8 @@ from asmc_pin.condition import lemma1_norm
 from asmc_pin.condition.certificate import certify, strategy
 from asmc_pin.condition.certificate.compiled.bisection_tree import cell
 from asmc_pin.condition.certificate.search_and_proof import certified
-from asmc_pin.condition.certificate.statement_forms import DATA, MARGIN, Kind, Statement, _largest, problem_of
+from asmc_pin.condition.certificate.statement import Kind, Statement
+from asmc_pin.condition.certificate.statement_forms import DATA, MARGIN, _largest, problem_of
 from asmc_pin.condition.certificate.walk import Walk
 from asmc_pin.condition.checker import check
 from asmc_pin.condition.domain.along_motion import FollowedMotion, tube

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable
 from fractions import Fraction
@@ -15,8 +16,10 @@ from condition_cases import UR5_MBAR
 
 from asmc_pin import load_arm
 from asmc_pin.arms import Arm
+from asmc_pin.cli import main
 from asmc_pin.condition.certificate import certify
-from asmc_pin.condition.certificate.statement_forms import Statement, problem_of
+from asmc_pin.condition.certificate.statement import Statement
+from asmc_pin.condition.certificate.statement_forms import problem_of
 from asmc_pin.condition.certificate.stopping import (
     GAP_MET,
     LEVEL_PROVEN,
@@ -156,6 +159,20 @@ def test_one_bound_for_the_corners_of_an_armature_range_is_named_where_it_is_too
     # With few corners each is proven for itself.
     few = {**dict.fromkeys(arm.joint_names, 11.0), "elbow_joint": wide}
     assert certify(arm, 11.0, armature=few, level=level, budget=20.0).reason == LEVEL_PROVEN
+
+
+@pytest.mark.parametrize(("more", "said"), [((), GAP_MET), (("--gap", "1e-11"), "too near to be told")])
+def test_verify_and_design_print_the_reason_and_have_it_in_json(
+    capsys: pytest.CaptureFixture[str], more: tuple[str, ...], said: str
+) -> None:
+    for command in (["verify", "two_link", "--mbar", "0.01"], ["design", "two_link", "--budget", "5"]):
+        for as_json in (False, True):
+            with pytest.raises(SystemExit) as end:
+                main([*command, "--certify", *more, *(["--json"] if as_json else [])])
+            assert end.value.code == 0
+            out = capsys.readouterr().out
+            assert said in (json.loads(out)["reason"] if as_json else out)
+            assert as_json or "the proof stopped because: " in out
 
 
 def prover_of(arm: Arm, mbar: Any, budget: float = 60.0) -> Prover:
