@@ -1,12 +1,13 @@
 """The rows of a sweep: the same bits whatever the blocks, the workers and the batch; never stale; nothing lost."""
 
 import shutil
+import tracemalloc
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from sweep_cases import contents, tiny
+from sweep_cases import DATA, contents, tiny
 
 from asmc_pin.engine import rollout
 from asmc_pin.errors import ExperimentError, ParameterError, ResultError
@@ -199,3 +200,19 @@ def test_a_replay_has_the_figures_of_its_rows_and_its_experiment_runs_alone(whol
         assert np.array_equal(first[name].to_numpy(), rows[rows.trial == 7][name].to_numpy(), equal_nan=True), name
     with pytest.raises(ParameterError, match="0 to 11"):
         replay(tiny(), 6, 12, folder)
+
+
+def test_what_a_worker_keeps_does_not_grow_with_the_trials(monkeypatch):
+    """Neither arms nor laws nor rows of blocks that are done stay behind."""
+    monkeypatch.setattr("asmc_pin.sweeping.trial_runs._KEPT", 4)
+    plan = sweep_plan(tiny({**DATA["sweep"], "reference.move": {"uniform": [0.05, 0.1]}}), 1000, 1, "key")
+    run, kept = BlockRows(plan), []
+    tracemalloc.start()
+    try:
+        for block in plan.blocks[:30]:
+            run.parquet(block)
+            kept.append(tracemalloc.get_traced_memory()[0])
+    finally:
+        tracemalloc.stop()
+    # An experiment with its arm and motion is some 50 kB: twenty that stayed would be 1 MB.
+    assert kept[-1] - kept[9] < 3e5
