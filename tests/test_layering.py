@@ -56,6 +56,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "numerics",
         "parameters",
         "controllers.protocol",
+        "controllers.one_trial",
         "controllers.tde.sliding_variable",
     },
     "engine": {"arms", "controllers", "references", "plant"},

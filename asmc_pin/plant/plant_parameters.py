@@ -43,6 +43,7 @@ class PlantParameters:
     payload_changes: tuple[PayloadChange, ...]
     spread: Spread | None
     seed: int
+    engine: Literal["compiled", "pinocchio"]
 
     def __init__(
         self,
@@ -63,6 +64,7 @@ class PlantParameters:
         payload_changes: Sequence[PayloadChange] = (),
         spread: Spread | None = None,
         seed: int = 0,
+        engine: Literal["compiled", "pinocchio"] = "compiled",
     ) -> None:
         """Check and freeze the parameters.
 
@@ -84,6 +86,7 @@ class PlantParameters:
             payload_changes: Any number; they replace each other in order of time.
             spread: None for trials that are all alike.
             seed: Whole number, 0 or more.
+            engine: ``"compiled"`` or ``"pinocchio"``.
 
         Raises:
             ParameterError: a parameter has a wrong size, sign or value.
@@ -94,6 +97,8 @@ class PlantParameters:
             raise ParameterError("substeps", f"{substeps!r} given; expected a whole number of at least 1")
         if start not in ("holding", "relaxed"):
             raise ParameterError("start", f"{start!r} given; expected 'holding' or 'relaxed'")
+        if engine not in ("compiled", "pinocchio"):
+            raise ParameterError("engine", f"{engine!r} given; expected 'compiled' or 'pinocchio'")
         if integrator not in INTEGRATORS:
             raise ParameterError("integrator", f"{integrator!r} given; known are {', '.join(sorted(INTEGRATORS))}")
         for name, bound in (("speed_bound", speed_bound), ("error_bound", error_bound)):
@@ -125,6 +130,7 @@ class PlantParameters:
             "payload_changes": tuple(sorted(payload_changes, key=lambda change: change.time)),
             "spread": spread,
             "seed": _seed(seed),
+            "engine": engine,
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)

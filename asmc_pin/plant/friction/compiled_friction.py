@@ -37,7 +37,7 @@ FACES_PER_JOINT = 20
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _load(i: int, matrix: Array, drag: Array, correction: Array) -> tuple[float, float]:
+def carried_load(i: int, matrix: Array, drag: Array, correction: Array) -> tuple[float, float]:
     """Friction impulse h·fᵢ that balances sticking joint i, and the sum of the magnitudes of its terms."""
     load = -drag[i]
     magnitude = abs(load)
@@ -130,7 +130,7 @@ def _let_go(
     toward = 0
     for i in range(free.size):
         if kink[i] and sign[i] == 0:
-            load, magnitude = _load(i, matrix, drag, correction)
+            load, magnitude = carried_load(i, matrix, drag, correction)
             excess = load - forward[i] if load > 0.0 else -load - backward[i]
             if excess > worst and excess > RELEASE_TOLERANCE * magnitude:
                 worst = excess
@@ -142,7 +142,7 @@ def _let_go(
 
 
 @njit(cache=True, nogil=True)
-def _walk(
+def walk(
     matrix: Array,
     drag: Array,
     forward: Array,
@@ -232,7 +232,7 @@ def slide_or_stick(
             for j in range(nv):
                 matrix[i, j] = mass[trial, i, j]
             matrix[i, i] += implicit * damping[i]
-        solved = _walk(matrix, drag, ahead, back, free, present, sign, correction)
+        solved = walk(matrix, drag, ahead, back, free, present, sign, correction)
         for i in range(nv):
             speed = free[i] + correction[i]
             before = (1.0 - implicit) * velocity[trial, i]
@@ -240,7 +240,7 @@ def slide_or_stick(
                 next_velocity[trial, i] = np.nan
             elif sign[i] == 0 and (ahead[i] > 0.0 or back[i] > 0.0):
                 next_velocity[trial, i] = 0.0
-                impulse[trial, i] -= _load(i, matrix, drag, correction)[0] + damping[i] * before
+                impulse[trial, i] -= carried_load(i, matrix, drag, correction)[0] + damping[i] * before
             else:
                 next_velocity[trial, i] = speed
                 impulse[trial, i] -= damping[i] * (implicit * speed + before) + (
@@ -249,8 +249,15 @@ def slide_or_stick(
 
 
 @njit(cache=True, nogil=True)
+def stribeck_level(velocity: float, coulomb: float, breakaway: float, scale: float) -> float:
+    """Friction's level at a velocity: coulomb + (breakaway − coulomb)·exp(−(v/scale)²); at rest exactly breakaway."""
+    x = velocity / scale
+    return coulomb + (breakaway - coulomb) * float(np.exp(-x * x))
+
+
+@njit(cache=True, nogil=True)
 def stribeck_levels(velocity: Array, coulomb: Array, breakaway: Array, scale: Array, level: Array) -> None:
-    """Friction's level at a velocity: coulomb + (breakaway − coulomb)·exp(−(v/scale)²); at rest exactly breakaway.
+    """`stribeck_level` for a batch.
 
     Args:
         velocity: Shape (batch, nv), rad/s.
@@ -261,5 +268,6 @@ def stribeck_levels(velocity: Array, coulomb: Array, breakaway: Array, scale: Ar
     """
     for trial in range(velocity.shape[0]):
         for i in range(velocity.shape[1]):
-            x = velocity[trial, i] / scale[trial, i]
-            level[trial, i] = coulomb[trial, i] + (breakaway[trial, i] - coulomb[trial, i]) * np.exp(-x * x)
+            level[trial, i] = stribeck_level(
+                velocity[trial, i], coulomb[trial, i], breakaway[trial, i], scale[trial, i]
+            )

@@ -31,7 +31,7 @@ def _piece(speed: float, low: float, high: float) -> int:
 
 
 @njit(cache=True, nogil=True)
-def _walk_pieces(
+def walk_pieces(
     matrix: Array, rhs: Array, bend: Array, slope: Array, forward: Array, backward: Array, speed: Array, piece: IntArray
 ) -> bool:
     """Solve matrix·v + clip(bend + slope·v, −backward, forward) = rhs; start from and leave the solution in `speed`.
@@ -132,7 +132,7 @@ def slide_or_bend(
             offset[i] = step * stiffness[trial, i] * bend[trial, i]
             slope[i] = step * (step * stiffness[trial, i] + damping[trial, i]) if stiffness[trial, i] > 0.0 else 0.0
             ahead[i], back[i] = step * forward[trial, i], step * backward[trial, i]
-        solved = _walk_pieces(matrix, rhs, offset, slope, ahead, back, speed, piece)
+        solved = walk_pieces(matrix, rhs, offset, slope, ahead, back, speed, piece)
         for i in range(nv):
             next_velocity[trial, i] = speed[i] if solved else np.nan
             if slope[i] > 0.0:
