@@ -21,9 +21,10 @@ from typing import Any, NamedTuple
 import numba
 import numpy as np
 from numba import types
+from numba.core import errors
 
 from asmc_pin._typing import Array
-from asmc_pin.numerics.short_loops import OPTIONS, short_loops
+from asmc_pin.numerics.short_loops import ALLOCATING, OPTIONS, with_room
 
 WORK_ROWS = 8
 
@@ -53,9 +54,29 @@ class Tick(NamedTuple):
 Function = Callable[[Tick, Array, Array, Array, Array], None]
 
 _types: Any = types  # numba has no types
+_errors: Any = errors
 _ROW, _ROWS = types.Array(types.float64, 1, "C"), types.Array(types.float64, 2, "C")
 SIGNATURE = types.void(_types.NamedTuple([types.int64, *6 * [_ROW]], Tick), _ROWS, _ROWS, _ROWS, _ROW)
 """That of every step, for numba."""
+
+
+class CompiledStep(_types.WrapperAddressProtocol):  # type: ignore[misc]
+    """A compiled step as numba's functions take it: as the address of a function of `SIGNATURE`, whatever the law."""
+
+    def __init__(self, function: Function) -> None:
+        try:
+            self._dispatcher: Any = numba.njit(SIGNATURE, **OPTIONS)(function)
+        except _errors.NumbaError:  # it makes arrays; or it is wrong, and then that is said now
+            self._dispatcher = numba.njit(SIGNATURE, **ALLOCATING)(function)
+        (found,) = self._dispatcher.overloads.values()
+        self._address: int = found.library.get_pointer_to_function(found.fndesc.llvm_cfunc_wrapper_name)
+
+    def __wrapper_address__(self) -> int:
+        return self._address
+
+    def signature(self) -> Any:
+        """That of every step."""
+        return SIGNATURE
 
 
 class TrialStep:
@@ -69,9 +90,9 @@ class TrialStep:
         self.function = function
 
     @cached_property
-    def compiled(self) -> Any:
+    def compiled(self) -> CompiledStep:
         """The same compiled, or found in numba's cache, which lies beside the law's file."""
-        return numba.njit(SIGNATURE, **OPTIONS)(self.function)
+        return CompiledStep(self.function)
 
 
 def trial_step(function: Function) -> TrialStep:
@@ -79,7 +100,7 @@ def trial_step(function: Function) -> TrialStep:
     return TrialStep(function)
 
 
-@short_loops
+@with_room
 def over_trials(step: Any, ticks: int, law: Array, seen: Array, memory: Array, command: Array) -> None:
     """Run a step for every trial of a batch.
 

@@ -23,8 +23,14 @@ from asmc_pin.plant.compiled_run.run_rows import (
     BRISTLE_DAMPING,
     CORRECTION,
     DRAG,
+    FACTOR,
     FORCE,
     FORWARD,
+    HIGH,
+    LOCAL,
+    LOW,
+    MASS,
+    MATRIX,
     PRESENT,
     RATE,
     RHS,
@@ -56,10 +62,8 @@ def after_step(
     plant: Array,
     state: Array,
     scratch: Array,
-    mass: Array,
-    factor: Array,
-    matrix: Array,
-    sign: IntArray,
+    squares: Array,
+    signs: IntArray,
     v: int,
     at: int,
     step: float,
@@ -75,10 +79,8 @@ def after_step(
         plant: Its parameters.
         state: Has how far presliding joints have given way; written.
         scratch: Rows of scratch; `v`, `at`, `out` and `impulse` say which.
-        mass: M, (nv, nv).
-        factor: Scratch, (nv, nv).
-        matrix: Scratch, (nv, nv).
-        sign: Scratch, (nv,).
+        squares: M in its row `MASS`, and scratch, (SQUARES, nv, nv).
+        signs: Scratch, (2, nv).
         v: Row of the velocity before.
         at: Row of the velocity at which friction's levels are taken.
         step: Length of the step, s.
@@ -92,23 +94,22 @@ def after_step(
         for i in range(nv):
             scratch[SHIFT, i] = 0.0
             scratch[RHS, i] = step * scratch[FORCE, i]
-        solve_shifted(mass, scratch, SHIFT, RHS, X, factor)
+        solve_shifted(squares[MASS], scratch, SHIFT, RHS, X, squares[FACTOR])
         for i in range(nv):
             scratch[out, i] = scratch[v, i] + scratch[X, i]
         return
     fill_levels(setup, plant, scratch, at)
     if setup.yields:
-        _bend(plant, state, scratch, mass, matrix, sign, v, step, out, impulse, trial_run)
-    elif not _slide_on(plant, scratch, mass, factor, v, step, implicit, out, impulse, trial_run):
-        _slide_or_stick(plant, scratch, mass, factor, matrix, sign, v, step, implicit, out, impulse, trial_run)
+        _bend(plant, state, scratch, squares, signs, v, step, out, impulse, trial_run)
+    elif not _slide_on(plant, scratch, squares, v, step, implicit, out, impulse, trial_run):
+        _slide_or_stick(plant, scratch, squares, signs, v, step, implicit, out, impulse, trial_run)
 
 
 @short_loops
 def _slide_on(
     plant: Array,
     scratch: Array,
-    mass: Array,
-    factor: Array,
+    squares: Array,
     v: int,
     step: float,
     implicit: float,
@@ -127,7 +128,7 @@ def _slide_on(
             level = scratch[AHEAD, i] if speed > 0.0 else -scratch[BACK, i]
         scratch[SHIFT, i] = implicit * damping
         scratch[RHS, i] = step * (scratch[FORCE, i] - level) - damping * speed
-    solve_shifted(mass, scratch, SHIFT, RHS, X, factor)
+    solve_shifted(squares[MASS], scratch, SHIFT, RHS, X, squares[FACTOR])
     for i in range(nv):
         scratch[out, i] = scratch[v, i] + scratch[X, i]
         kinked = scratch[AHEAD, i] > 0.0 or scratch[BACK, i] > 0.0
@@ -146,10 +147,8 @@ def _slide_on(
 def _slide_or_stick(
     plant: Array,
     scratch: Array,
-    mass: Array,
-    factor: Array,
-    matrix: Array,
-    sign: IntArray,
+    squares: Array,
+    signs: IntArray,
     v: int,
     step: float,
     implicit: float,
@@ -159,9 +158,10 @@ def _slide_or_stick(
 ) -> None:
     """The step by the walk over faces; see `plant.friction.compiled_friction`."""
     nv = plant.shape[1]
+    mass, matrix = squares[MASS], squares[MATRIX]
     for i in range(nv):
         scratch[SHIFT, i] = 0.0
-    solve_shifted(mass, scratch, SHIFT, FORCE, X, factor)
+    solve_shifted(squares[MASS], scratch, SHIFT, FORCE, X, squares[FACTOR])
     for i in range(nv):
         speed, damping = scratch[v, i], step * plant[VISCOUS, i]
         scratch[PRESENT, i] = speed
@@ -173,8 +173,10 @@ def _slide_or_stick(
             matrix[i, j] = mass[i, j]
         matrix[i, i] += implicit * damping
     drag, ahead, back, free = scratch[DRAG], scratch[AHEAD], scratch[BACK], scratch[RATE]
-    correction = scratch[CORRECTION]
-    solved = walk(matrix, drag, ahead, back, free, scratch[PRESENT], sign, correction)
+    correction, sign = scratch[CORRECTION], signs[0]
+    solved = walk(
+        matrix, drag, ahead, back, free, scratch[PRESENT], sign, correction, signs[1], scratch[RHS], squares[FACTOR]
+    )
     for i in range(nv):
         before = (1.0 - implicit) * scratch[v, i]
         damping = step * plant[VISCOUS, i]
@@ -197,9 +199,8 @@ def _bend(
     plant: Array,
     state: Array,
     scratch: Array,
-    mass: Array,
-    matrix: Array,
-    sign: IntArray,
+    squares: Array,
+    signs: IntArray,
     v: int,
     step: float,
     out: int,
@@ -208,6 +209,7 @@ def _bend(
 ) -> None:
     """The step with presliding; see `plant.friction.presliding`."""
     nv = plant.shape[1]
+    mass, matrix = squares[MASS], squares[MATRIX]
     for i in range(nv):
         scratch[out, i] = scratch[v, i]
         total = step * scratch[FORCE, i]
@@ -222,7 +224,10 @@ def _bend(
         scratch[AHEAD, i] *= step
         scratch[BACK, i] *= step
     offset, slope, ahead, back, speed = scratch[X], scratch[RATE], scratch[AHEAD], scratch[BACK], scratch[out]
-    solved = walk_pieces(matrix, scratch[RHS], offset, slope, ahead, back, speed, sign)
+    solved = walk_pieces(
+        matrix, scratch[RHS], offset, slope, ahead, back, speed, signs[0], signs[1],
+        scratch[PRESENT], scratch[CORRECTION], scratch[LOW], scratch[HIGH], squares[LOCAL], squares[FACTOR],
+    )  # fmt: skip
     for i in range(nv):
         force = 0.0
         if slope[i] > 0.0:

@@ -58,8 +58,16 @@ STATE_ROWS = 6
     SUM_Q,
     SUM_V,
     TOTAL,
-) = range(23)
-SCRATCH_ROWS = 23
+    BEGAN_Q,
+    BEGAN_V,
+    LOW,
+    HIGH,
+) = range(27)
+SCRATCH_ROWS = 27
+
+# Square matrices of scratch: M, factors, and two more.
+MASS, FACTOR, MATRIX, LOCAL = range(4)
+SQUARES = 4
 
 SEMI_IMPLICIT, MIDPOINT, RK4 = range(3)
 SCHEMES = {"semi_implicit": SEMI_IMPLICIT, "midpoint": MIDPOINT, "rk4": RK4}

@@ -13,33 +13,20 @@ import numpy as np
 from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.controllers.one_trial.compiled_tde import surface
 from asmc_pin.controllers.one_trial.trial_step import WORK_ROWS, Tick
-from asmc_pin.numerics.short_loops import short_loops
+from asmc_pin.numerics.short_loops import short_loops, with_room
+from asmc_pin.plant.compiled_run.one_period import advance, hold, observe, within
 from asmc_pin.plant.compiled_run.run_rows import (
-    AT_Q,
-    AT_V,
-    CORNER,
-    COUNT,
+    BEGAN_Q,
+    BEGAN_V,
     EXTERNAL,
     FRICTION,
-    IMPULSE,
-    LIMIT,
-    MEAN_REMAINING,
-    NEXT_Q,
-    NEXT_V,
-    NO_LOAD,
-    PUSH,
-    REMAINING,
     SCRATCH_ROWS,
-    SPEED_LIMIT,
+    SQUARES,
     TORQUE,
-    TOTAL,
     Q,
     Setup,
     V,
 )
-from asmc_pin.plant.compiled_run.schemes import integrate
-from asmc_pin.plant.drive.compiled_drive import joint_torque
-from asmc_pin.plant.sensor.compiled_sensor import read_sensor
 from asmc_pin.rigid_body.dynamics import ROOM
 
 
@@ -103,109 +90,18 @@ class Histories(NamedTuple):
 
 
 @short_loops
-def _within(setup: Setup, state: Array, q_ref: Array, k: int) -> bool:
-    """Whether a trial is where it can go on from; written so that NaN is not."""
-    for i in range(state.shape[1]):
-        slow = abs(state[V, i]) <= setup.speed_bound
-        if not (slow and abs(state[Q, i] - q_ref[k, i]) <= setup.error_bound):
-            return False
-    return True
-
-
-@short_loops
-def _observe(setup: Setup, first: bool, plant: Array, state: Array, sensor: Array, noise: Array, seen: Array) -> None:
-    """What the drives of a trial report."""
-    if setup.senses:
-        read_sensor(
-            first, setup.period, setup.delay_fraction, setup.exact_velocity, setup.keep,
-            plant[COUNT], noise, state[Q], state[V], state[TORQUE], sensor, seen,
-        )  # fmt: skip
-    else:
-        for row in range(3):
-            for i in range(seen.shape[1]):
-                seen[row, i] = state[row, i]  # Q, V and TORQUE
-
-
-@short_loops
-def _hold(plant: Array, scratch: Array, command: Array) -> bool:
-    """The command within the drive's limits, in row `TOTAL`; False if it is not finite."""
-    finite = True
-    for i in range(command.size):
-        finite = finite and np.isfinite(command[i])
-        scratch[TOTAL, i] = min(max(command[i], -plant[LIMIT, i]), plant[LIMIT, i])
-    return finite
-
-
-@short_loops
-def _advance(
-    setup: Setup,
-    parent: IntArray,
-    body: Array,
-    gravity: Array,
-    older_share: Array,
-    loads: Array,
-    own_loads: Array,
-    since: int,
-    plant: Array,
-    state: Array,
-    drive: Array,
-    scratch: Array,
-    room: Array,
-    mass: Array,
-    factor: Array,
-    matrix: Array,
-    sign: IntArray,
-) -> None:
-    """Carry a trial over one period under the command in row `TOTAL`."""
-    nv = plant.shape[1]
-    newest = drive.shape[0] - 1
-    for i in range(nv):
-        scratch[AT_Q, i], scratch[AT_V, i] = state[Q, i], state[V, i]
-        scratch[PUSH, i] = scratch[TOTAL, i]
-        scratch[IMPULSE, i], state[EXTERNAL, i] = 0.0, 0.0
-        if setup.shaped:
-            for row in range(1, newest):
-                drive[row, i] = drive[row + 1, i]
-            drive[newest, i] = scratch[TOTAL, i]
-            scratch[TOTAL, i] = 0.0
-    for index in range(setup.substeps):
-        for i in range(nv):
-            load = 0.0
-            if loads.size:
-                load += loads[since + index, i]
-            if own_loads.size:
-                load += own_loads[since + index, i]
-            state[EXTERNAL, i] += load / setup.substeps
-            push = scratch[TOTAL, i]
-            if setup.shaped:
-                push, drive[0, i] = joint_torque(
-                    drive[2, i], drive[1, i], older_share[index], drive[0, i],
-                    plant[REMAINING, i], plant[MEAN_REMAINING, i], plant[LIMIT, i], scratch[AT_V, i],
-                    plant[CORNER, i], plant[NO_LOAD, i], plant[SPEED_LIMIT, i], setup.foldback,
-                )  # fmt: skip
-                scratch[TOTAL, i] += push
-            scratch[PUSH, i] = push + load
-        integrate(setup, parent, body, gravity, plant, state, scratch, room, mass, factor, matrix, sign)
-        for i in range(nv):
-            scratch[AT_Q, i], scratch[AT_V, i] = scratch[NEXT_Q, i], scratch[NEXT_V, i]
-    for i in range(nv):
-        state[Q, i], state[V, i] = scratch[AT_Q, i], scratch[AT_V, i]
-        state[TORQUE, i] = scratch[TOTAL, i] / setup.substeps if setup.shaped else scratch[TOTAL, i]
-        state[FRICTION, i] = scratch[IMPULSE, i] / setup.period
-
-
-@short_loops
-def _write(histories: tuple[Array, ...], trial: int, k: int, q: Array, v: Array, seen: Array, state: Array) -> None:
+def _write(histories: Histories, trial: int, k: int, q: Array, v: Array, seen: Array, state: Array) -> None:
     """What happened in a period: where it began, what was reported then, and what acted."""
-    q_log, v_log, torque, friction, q_measured, v_measured, torque_measured, external = histories
     for i in range(q.size):
-        q_log[trial, k, i], v_log[trial, k, i] = q[i], v[i]
-        torque[trial, k, i], friction[trial, k, i] = state[TORQUE, i], state[FRICTION, i]
-        if q_measured.size:
-            q_measured[trial, k, i], v_measured[trial, k, i] = seen[0, i], seen[1, i]
-            torque_measured[trial, k, i] = seen[2, i]
-        if external.size:
-            external[trial, k, i] = state[EXTERNAL, i]
+        histories.q[trial, k, i], histories.v[trial, k, i] = q[i], v[i]
+        histories.torque[trial, k, i] = state[TORQUE, i]
+        histories.friction_torque[trial, k, i] = state[FRICTION, i]
+        if histories.q_measured.size:
+            histories.q_measured[trial, k, i] = seen[0, i]
+            histories.v_measured[trial, k, i] = seen[1, i]
+            histories.torque_measured[trial, k, i] = seen[2, i]
+        if histories.external_torque.size:
+            histories.external_torque[trial, k, i] = state[EXTERNAL, i]
 
 
 @short_loops
@@ -227,6 +123,69 @@ def _stop(histories: Histories, trials: Trials, trial: int, k: int) -> None:
 
 
 @short_loops
+def _follow_law(
+    step: Any,
+    begin: int,
+    end: int,
+    law: Array,
+    memory: Array,
+    gain: int,
+    ks: Array,
+    setup: Setup,
+    parent: IntArray,
+    body: Array,
+    gravity: Array,
+    inputs: Inputs,
+    own_loads: Array,
+    trials: Trials,
+    histories: Histories,
+    trial: int,
+    scratch: Array,
+    room: Array,
+    squares: Array,
+    signs: IntArray,
+    work: Array,
+    told: Array,
+    nothing: Array,
+    command: Array,
+) -> None:
+    """One trial of `run_law`."""
+    nv = command.size
+    plant, state, drive, sensor = trials.plant[trial], trials.state[trial], trials.drive[trial], trials.sensor[trial]
+    seen, q, v = told[:3], scratch[BEGAN_Q], scratch[BEGAN_V]
+    for k in range(begin, end):
+        if k == 0:
+            for row in range(3):
+                for i in range(nv):
+                    seen[row, i] = trials.seen[trial, row, i]
+        else:
+            if not within(setup, state, inputs.q_ref, k):
+                _stop(histories, trials, trial, k)
+                return
+            observe(
+                setup, False, plant, state, sensor,
+                inputs.noise[trial, k - begin] if inputs.noise.size else nothing, seen,
+            )  # fmt: skip
+        for i in range(nv):
+            told[3, i], told[4, i], told[5, i] = inputs.q_ref[k, i], inputs.v_ref[k, i], inputs.a_ref[k, i]
+            q[i], v[i] = state[Q, i], state[V, i]
+        step(Tick(k, told[0], told[1], told[2], told[3], told[4], told[5]), law, memory, work, command)
+        if not hold(plant, scratch, command):
+            _stop(histories, trials, trial, k)
+            return
+        advance(
+            setup, parent, body, gravity, inputs.older_share, inputs.loads, own_loads, (k - begin) * setup.substeps,
+            plant, state, drive, scratch, room, squares, signs,
+        )  # fmt: skip
+        _write(histories, trial, k, q, v, seen, state)
+        for i in range(nv):
+            if histories.s.size:
+                histories.s[trial, k, i] = surface(ks[i], told[0, i], told[1, i], told[3, i], told[4, i])
+            if gain >= 0:
+                histories.gain[trial, k, i] = memory[gain, i]
+
+
+@with_room
 def run_law(
     step: Any,
     begin: int,
@@ -263,57 +222,62 @@ def run_law(
         histories: Written.
         rows: Which trials.
     """
-    q_ref, v_ref, a_ref, noise, loads = inputs.q_ref, inputs.v_ref, inputs.a_ref, inputs.noise, inputs.loads
-    nv = q_ref.shape[1]
-    older_share, own_loads = inputs.older_share, inputs.own_loads
+    nv = ks.size
     scratch, room, work = np.empty((SCRATCH_ROWS, nv)), np.empty((nv, ROOM)), np.empty((WORK_ROWS, nv))
-    mass, factor, matrix = np.zeros((nv, nv)), np.empty((nv, nv)), np.empty((nv, nv))
-    sign, nothing, no_loads = np.empty(nv, np.int64), np.zeros((3, nv)), np.zeros((0, nv))
-    told, command = np.empty((6, nv)), np.empty(nv)
-    seen = told[:3]
-    q, v, torque, wished_q, wished_v, wished_a = told[0], told[1], told[2], told[3], told[4], told[5]
-    began_q, began_v = np.empty(nv), np.empty(nv)
-    logged = (
-        histories.q, histories.v, histories.torque, histories.friction_torque,
-        histories.q_measured, histories.v_measured, histories.torque_measured, histories.external_torque,
-    )  # fmt: skip
-    log_s, log_gain = histories.s, histories.gain
+    squares, signs = np.zeros((SQUARES, nv, nv)), np.empty((2, nv), np.int64)
+    told, nothing, command = np.empty((6, nv)), np.zeros((3, nv)), np.empty(nv)
     for trial in rows:
-        plant, state, drive = trials.plant[trial], trials.state[trial], trials.drive[trial]
-        sensor, remembered = trials.sensor[trial], memory[trial]
-        own_law = law[trial if len(law) > 1 else 0]
-        own_load = own_loads[trial] if own_loads.size else no_loads
-        for k in range(begin, end):
-            if not trials.active[trial]:
-                break
-            if k == 0:
-                seen[:] = trials.seen[trial]
-            else:
-                if not _within(setup, state, q_ref, k):
-                    _stop(histories, trials, trial, k)
-                    break
-                now = noise[trial, k - begin] if noise.size else nothing
-                _observe(setup, False, plant, state, sensor, now, seen)
-            for i in range(nv):
-                wished_q[i], wished_v[i], wished_a[i] = q_ref[k, i], v_ref[k, i], a_ref[k, i]
-                began_q[i], began_v[i] = state[Q, i], state[V, i]
-            step(Tick(k, q, v, torque, wished_q, wished_v, wished_a), own_law, remembered, work, command)
-            if not _hold(plant, scratch, command):
-                _stop(histories, trials, trial, k)
-                break
-            _advance(
-                setup, parent, body, gravity, older_share, loads, own_load, (k - begin) * setup.substeps,
-                plant, state, drive, scratch, room, mass, factor, matrix, sign,
+        if trials.active[trial]:
+            _follow_law(
+                step, begin, end, law[trial if len(law) > 1 else 0], memory[trial], gain, ks,
+                setup, parent, body, gravity, inputs,
+                inputs.own_loads[trial] if inputs.own_loads.size else nothing[:0], trials, histories, trial,
+                scratch, room, squares, signs, work, told, nothing, command,
             )  # fmt: skip
-            _write(logged, trial, k, began_q, began_v, seen, state)
-            for i in range(nv):
-                if log_s.size:
-                    log_s[trial, k, i] = surface(ks[i], q[i], v[i], wished_q[i], wished_v[i])
-                if gain >= 0:
-                    log_gain[trial, k, i] = remembered[gain, i]
 
 
 @short_loops
+def _follow_command(
+    k: int,
+    command: Array,
+    setup: Setup,
+    parent: IntArray,
+    body: Array,
+    gravity: Array,
+    inputs: Inputs,
+    own_loads: Array,
+    trials: Trials,
+    histories: Histories,
+    trial: int,
+    scratch: Array,
+    room: Array,
+    squares: Array,
+    signs: IntArray,
+    nothing: Array,
+) -> None:
+    """One trial of `run_commands`."""
+    plant, state, seen = trials.plant[trial], trials.state[trial], trials.seen[trial]
+    if k >= 0:
+        if not hold(plant, scratch, command):
+            _stop(histories, trials, trial, k)
+            return
+        q, v = scratch[BEGAN_Q], scratch[BEGAN_V]
+        for i in range(command.size):
+            q[i], v[i] = state[Q, i], state[V, i]
+        advance(
+            setup, parent, body, gravity, inputs.older_share, inputs.loads, own_loads, 0,
+            plant, state, trials.drive[trial], scratch, room, squares, signs,
+        )  # fmt: skip
+        _write(histories, trial, k, q, v, seen, state)
+    if k + 1 < len(inputs.q_ref):
+        if not within(setup, state, inputs.q_ref, k + 1):
+            _stop(histories, trials, trial, k + 1)
+            return
+        noise = inputs.noise[trial, 0] if inputs.noise.size else nothing
+        observe(setup, k < 0, plant, state, trials.sensor[trial], noise, seen)
+
+
+@with_room
 def run_commands(
     k: int,
     command: Array,
@@ -330,35 +294,13 @@ def run_commands(
 
     For k = −1 only tick 0 is looked at. The other arguments are those of `run_law`; the noise is that of the next tick.
     """
-    q_ref, noise, loads = inputs.q_ref, inputs.noise, inputs.loads
-    nv = q_ref.shape[1]
-    older_share, own_loads = inputs.older_share, inputs.own_loads
-    scratch, room = np.empty((SCRATCH_ROWS, nv)), np.empty((nv, ROOM))
-    mass, factor, matrix = np.zeros((nv, nv)), np.empty((nv, nv)), np.empty((nv, nv))
-    sign, nothing, no_loads = np.empty(nv, np.int64), np.zeros((3, nv)), np.zeros((0, nv))
-    began_q, began_v = np.empty(nv), np.empty(nv)
-    logged = (
-        histories.q, histories.v, histories.torque, histories.friction_torque,
-        histories.q_measured, histories.v_measured, histories.torque_measured, histories.external_torque,
-    )  # fmt: skip
+    nv = command.shape[1]
+    scratch, room, nothing = np.empty((SCRATCH_ROWS, nv)), np.empty((nv, ROOM)), np.zeros((3, nv))
+    squares, signs = np.zeros((SQUARES, nv, nv)), np.empty((2, nv), np.int64)
     for trial in rows:
-        if not trials.active[trial]:
-            continue
-        plant, state, seen = trials.plant[trial], trials.state[trial], trials.seen[trial]
-        if k >= 0:
-            if not _hold(plant, scratch, command[trial]):
-                _stop(histories, trials, trial, k)
-                continue
-            for i in range(nv):
-                began_q[i], began_v[i] = state[Q, i], state[V, i]
-            _advance(
-                setup, parent, body, gravity, older_share, loads, own_loads[trial] if own_loads.size else no_loads, 0,
-                plant, state, trials.drive[trial], scratch, room, mass, factor, matrix, sign,
+        if trials.active[trial]:
+            _follow_command(
+                k, command[trial], setup, parent, body, gravity, inputs,
+                inputs.own_loads[trial] if inputs.own_loads.size else nothing[:0], trials, histories, trial,
+                scratch, room, squares, signs, nothing,
             )  # fmt: skip
-            _write(logged, trial, k, began_q, began_v, seen, state)
-        if k + 1 < len(q_ref):
-            if not _within(setup, state, q_ref, k + 1):
-                _stop(histories, trials, trial, k + 1)
-                continue
-            now = noise[trial, 0] if noise.size else nothing
-            _observe(setup, k < 0, plant, state, trials.sensor[trial], now, seen)

@@ -17,8 +17,10 @@ from asmc_pin.plant.compiled_run.run_rows import (
     BACK,
     BIAS,
     EARLY,
+    FACTOR,
     FORCE,
     IMPULSE,
+    MASS,
     MIDDLE,
     MIDPOINT,
     NEXT_Q,
@@ -50,12 +52,12 @@ def _fill_forces(
     plant: Array,
     scratch: Array,
     room: Array,
-    mass: Array,
+    squares: Array,
     q: int,
     v: int,
 ) -> None:
     """M at the angles in row q, and what drives the joints there at the velocities in row v, without friction."""
-    fill_dynamics(parent, body, gravity, scratch[q], scratch[v], room, mass, scratch[BIAS])
+    fill_dynamics(parent, body, gravity, scratch[q], scratch[v], room, squares[MASS], scratch[BIAS])
     for i in range(plant.shape[1]):
         push = scratch[PUSH, i]
         if setup.stops:
@@ -80,36 +82,34 @@ def integrate(
     state: Array,
     scratch: Array,
     room: Array,
-    mass: Array,
-    factor: Array,
-    matrix: Array,
-    sign: IntArray,
+    squares: Array,
+    signs: IntArray,
 ) -> None:
     """One step of the plant's scheme."""
     nv = plant.shape[1]
     step = setup.step
     half = 0.5 * step
     if setup.scheme != SEMI_IMPLICIT and setup.scheme != MIDPOINT:
-        smooth = _runge_kutta(setup, parent, body, gravity, plant, scratch, room, mass, factor)
+        smooth = _runge_kutta(setup, parent, body, gravity, plant, scratch, room, squares)
         if smooth:
             return
     for i in range(nv):
         scratch[MIDDLE, i] = scratch[AT_Q, i] + half * scratch[AT_V, i]
-    _fill_forces(setup, parent, body, gravity, plant, scratch, room, mass, MIDDLE, AT_V)
+    _fill_forces(setup, parent, body, gravity, plant, scratch, room, squares, MIDDLE, AT_V)
     if setup.scheme == SEMI_IMPLICIT:
         after_step(
-            setup, plant, state, scratch, mass, factor, matrix, sign,
+            setup, plant, state, scratch, squares, signs,
             AT_V, AT_V, step, 1.0, NEXT_V, IMPULSE, False,
         )  # fmt: skip
         for i in range(nv):
             scratch[NEXT_Q, i] = scratch[MIDDLE, i] + half * scratch[NEXT_V, i]
         return
     after_step(
-        setup, plant, state, scratch, mass, factor, matrix, sign, AT_V, AT_V, half, 1.0, EARLY, IMPULSE, True
+        setup, plant, state, scratch, squares, signs, AT_V, AT_V, half, 1.0, EARLY, IMPULSE, True
     )  # fmt: skip
-    _fill_forces(setup, parent, body, gravity, plant, scratch, room, mass, MIDDLE, EARLY)
+    _fill_forces(setup, parent, body, gravity, plant, scratch, room, squares, MIDDLE, EARLY)
     after_step(
-        setup, plant, state, scratch, mass, factor, matrix, sign, AT_V, EARLY, step, 0.5, NEXT_V, IMPULSE, False
+        setup, plant, state, scratch, squares, signs, AT_V, EARLY, step, 0.5, NEXT_V, IMPULSE, False
     )  # fmt: skip
     for i in range(nv):
         scratch[NEXT_Q, i] = scratch[AT_Q, i] + half * (scratch[AT_V, i] + scratch[NEXT_V, i])
@@ -124,8 +124,7 @@ def _runge_kutta(
     plant: Array,
     scratch: Array,
     room: Array,
-    mass: Array,
-    factor: Array,
+    squares: Array,
 ) -> bool:
     """The classical scheme; False, with nothing changed, where a joint with Coulomb friction does not slide on."""
     nv = plant.shape[1]
@@ -137,7 +136,7 @@ def _runge_kutta(
     for stage in range(4):
         weight = 2.0 if 0 < stage < 3 else 1.0
         span = 0.5 * step if stage < 2 else step if stage == 2 else 0.0
-        _fill_forces(setup, parent, body, gravity, plant, scratch, room, mass, NEXT_Q, NEXT_V)
+        _fill_forces(setup, parent, body, gravity, plant, scratch, room, squares, NEXT_Q, NEXT_V)
         if setup.friction:
             fill_levels(setup, plant, scratch, NEXT_V)
             for i in range(nv):
@@ -148,7 +147,7 @@ def _runge_kutta(
                 scratch[FORCE, i] += given
                 scratch[OTHER_IMPULSE, i] += weight * step / 6.0 * given
                 smooth = smooth and _slides_alike(scratch, i)
-        solve_shifted(mass, scratch, SHIFT, FORCE, X, factor)
+        solve_shifted(squares[MASS], scratch, SHIFT, FORCE, X, squares[FACTOR])
         for i in range(nv):
             scratch[SUM_Q, i] += weight * scratch[NEXT_V, i]
             scratch[SUM_V, i] += weight * scratch[X, i]
