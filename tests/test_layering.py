@@ -42,8 +42,8 @@ MAY_IMPORT: dict[str, set[str]] = {
     "words": set(),
     "disk": set(),
     "parameters": set(),
-    "rigid_body": set(),
     "numerics": set(),
+    "rigid_body": {"numerics"},
     "arms": {"rigid_body"},
     "controllers": {"parameters", "numerics"},
     "baselines": {"arms", "controllers", "parameters"},  # laws that may know the arm, to compare with

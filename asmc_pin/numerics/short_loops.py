@@ -44,6 +44,12 @@ def short_loops(function: Function) -> Function:
     return compiled
 
 
+def inlined(function: Function) -> Function:
+    """Decorator: as `short_loops`, for a piece of one other function, into which it is compiled."""
+    compiled: Function = numba.njit(forceinline=True, **OPTIONS)(function)
+    return compiled
+
+
 def with_room(function: Function) -> Function:
     """Decorator: the same for a function that makes arrays to work in, and then calls functions that make none."""
     compiled: Function = numba.njit(**ALLOCATING)(function)

@@ -44,7 +44,7 @@ def follow_compiled(
     ks = _ks_of(controller, nv)
     step = controller.trial_step if isinstance(controller, CompiledLaw) else None
     names = _names(motion) + ([] if ks is None else ["s"])
-    histories = {name: np.empty((batch, ticks, nv)) for name in names}
+    histories = {name: np.empty((batch, ticks, nv)) for name in dict.fromkeys([*names, MEASURED[2]])}
     gains = np.empty((batch, ticks, nv))
     run = CompiledRun(motion, wanted, {**histories, "gain": gains})
     state = controller.init(run.sample())

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
 from asmc_pin.errors import ParameterError
+from asmc_pin.plant.compiled_run.held_dynamics import held_bodies, no_recursion
 from asmc_pin.plant.drive.drive_parameters import Drive
 from asmc_pin.plant.friction.friction_parameters import Friction
 from asmc_pin.plant.integrators import INTEGRATORS
@@ -89,7 +90,8 @@ class PlantParameters:
             engine: ``"compiled"`` or ``"pinocchio"``.
 
         Raises:
-            ParameterError: a parameter has a wrong size, sign or value.
+            ParameterError: a parameter has a wrong size, sign or value; or the compiled dynamics of an arm are not
+                Pinocchio's.
         """
         arms = (arm,) if isinstance(arm, Arm) else tuple(arm)
         _check_arms(arms)
@@ -137,6 +139,10 @@ class PlantParameters:
         self._check_options()
         if drive is not None and not drive.elastic and np.any(drive.reflected_inertia > 0.0):
             object.__setattr__(self, "arms", _shared(arms, lambda arm: _with_rotors(arm, drive)))
+        if engine == "compiled":
+            for each in dict.fromkeys(self.arms):
+                if no_recursion(each) is None:
+                    held_bodies(each)
 
     def _check_options(self) -> None:
         """Find what is for another number of joints; whether it suits the batch is seen when there is one."""

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from asmc_pin._typing import Array, IntArray
-from asmc_pin.numerics.short_loops import short_loops, with_room
+from asmc_pin.numerics.short_loops import inlined, short_loops, with_room
 from asmc_pin.rigid_body.recursion import (
     Matrix,
     Symmetric,
@@ -86,17 +86,17 @@ def bodies_of(tree: Tree) -> Bodies:
     return Bodies(np.array(tree.parent), body, np.array(tree.gravity))
 
 
-@short_loops
+@inlined
 def _vector(x: Array, i: int, at: int) -> Vector:
     return x[i, at], x[i, at + 1], x[i, at + 2]
 
 
-@short_loops
+@inlined
 def _symmetric(x: Array, i: int, at: int) -> Symmetric:
     return x[i, at], x[i, at + 1], x[i, at + 2], x[i, at + 3], x[i, at + 4], x[i, at + 5]
 
 
-@short_loops
+@inlined
 def _matrix(x: Array, i: int, at: int) -> Matrix:
     x0, x1, x2 = _vector(x, i, at)
     x3, x4, x5 = _vector(x, i, at + 3)
@@ -104,24 +104,24 @@ def _matrix(x: Array, i: int, at: int) -> Matrix:
     return x0, x1, x2, x3, x4, x5, x6, x7, x8
 
 
-@short_loops
+@inlined
 def _put(x: Array, i: int, at: int, value: Vector) -> None:
     x[i, at], x[i, at + 1], x[i, at + 2] = value
 
 
-@short_loops
+@inlined
 def _add_to(x: Array, i: int, at: int, value: Vector) -> None:
     x[i, at] += value[0]
     x[i, at + 1] += value[1]
     x[i, at + 2] += value[2]
 
 
-@short_loops
+@inlined
 def _times(factor: float, x: Vector) -> Vector:
     return factor * x[0], factor * x[1], factor * x[2]
 
 
-@short_loops
+@inlined
 def _blend(A: Matrix, s: float, B: Matrix, c: float, C: Matrix) -> Matrix:
     """A + s B + c C."""
     return (
@@ -137,7 +137,7 @@ def _blend(A: Matrix, s: float, B: Matrix, c: float, C: Matrix) -> Matrix:
     )
 
 
-@short_loops
+@inlined
 def _outward(parent: IntArray, body: Array, gravity: Array, q: float, v: float, i: int, room: Array) -> None:
     """Place joint i, and move it: its row of the scratch array, from its parent's."""
     j = parent[i]
@@ -183,7 +183,7 @@ def _outward(parent: IntArray, body: Array, gravity: Array, q: float, v: float, 
     _put(room, i, _B + 3, (inertia[3], inertia[4], inertia[5]))
 
 
-@short_loops
+@inlined
 def _hand_on(i: int, j: int, room: Array) -> None:
     """Add what joint i moves, and the force and moment on it, to what its parent j has."""
     force, step = _vector(room, i, _FORCE), _vector(room, i, _D)

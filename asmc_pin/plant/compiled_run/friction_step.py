@@ -11,7 +11,7 @@ import numpy as np
 
 from asmc_pin._typing import Array, IntArray
 from asmc_pin.numerics.cholesky import solve_shifted
-from asmc_pin.numerics.short_loops import short_loops
+from asmc_pin.numerics.short_loops import inlined, short_loops
 from asmc_pin.plant.compiled_run.run_rows import (
     AHEAD,
     BACK,
@@ -44,7 +44,7 @@ from asmc_pin.plant.friction.compiled_friction import carried_load, stribeck_lev
 from asmc_pin.plant.friction.presliding import walk_pieces
 
 
-@short_loops
+@inlined
 def fill_levels(setup: Setup, plant: Array, scratch: Array, at: int) -> None:
     """Friction's levels at the velocity in row `at`, N·m, to the rows `AHEAD` and `BACK`."""
     for i in range(plant.shape[1]):
@@ -56,7 +56,7 @@ def fill_levels(setup: Setup, plant: Array, scratch: Array, at: int) -> None:
         scratch[AHEAD, i], scratch[BACK, i] = ahead, back
 
 
-@short_loops
+@inlined
 def after_step(
     setup: Setup,
     plant: Array,
@@ -105,7 +105,7 @@ def after_step(
         _slide_or_stick(plant, scratch, squares, signs, v, step, implicit, out, impulse, trial_run)
 
 
-@short_loops
+@inlined
 def _slide_on(
     plant: Array,
     scratch: Array,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from asmc_pin._typing import Array, IntArray
-from asmc_pin.numerics.short_loops import short_loops
+from asmc_pin.numerics.short_loops import inlined, short_loops
 from asmc_pin.plant.compiled_run.run_rows import (
     AT_Q,
     AT_V,
@@ -33,7 +33,7 @@ from asmc_pin.plant.drive.compiled_drive import joint_torque
 from asmc_pin.plant.sensor.compiled_sensor import read_sensor
 
 
-@short_loops
+@inlined
 def within(setup: Setup, state: Array, q_ref: Array, k: int) -> bool:
     """Whether a trial is where it can go on from; written so that NaN is not."""
     for i in range(state.shape[1]):
@@ -43,7 +43,7 @@ def within(setup: Setup, state: Array, q_ref: Array, k: int) -> bool:
     return True
 
 
-@short_loops
+@inlined
 def observe(setup: Setup, first: bool, plant: Array, state: Array, sensor: Array, noise: Array, seen: Array) -> None:
     """What the drives of a trial report."""
     if setup.senses:
@@ -57,7 +57,7 @@ def observe(setup: Setup, first: bool, plant: Array, state: Array, sensor: Array
                 seen[row, i] = state[row, i]  # Q, V and TORQUE
 
 
-@short_loops
+@inlined
 def hold(plant: Array, scratch: Array, command: Array) -> bool:
     """The command within the drive's limits, in row `TOTAL`; False if it is not finite."""
     finite = True
@@ -68,6 +68,19 @@ def hold(plant: Array, scratch: Array, command: Array) -> bool:
 
 
 @short_loops
+def _add_loads(loads: Array, own_loads: Array, at: int, substeps: int, state: Array, scratch: Array) -> None:
+    """Add the disturbances of an integration step to row `PUSH`, and to their mean over the period."""
+    for i in range(state.shape[1]):
+        load = 0.0
+        if loads.size:
+            load += loads[at, i]
+        if own_loads.size:
+            load += own_loads[at, i]
+        scratch[PUSH, i] += load
+        state[EXTERNAL, i] += load / substeps
+
+
+@inlined
 def advance(
     setup: Setup,
     parent: IntArray,
@@ -90,7 +103,6 @@ def advance(
     newest = drive.shape[0] - 1
     for i in range(nv):
         scratch[AT_Q, i], scratch[AT_V, i] = state[Q, i], state[V, i]
-        scratch[PUSH, i] = scratch[TOTAL, i]
         scratch[IMPULSE, i], state[EXTERNAL, i] = 0.0, 0.0
         if setup.shaped:
             for row in range(1, newest):
@@ -99,12 +111,6 @@ def advance(
             scratch[TOTAL, i] = 0.0
     for index in range(setup.substeps):
         for i in range(nv):
-            load = 0.0
-            if loads.size:
-                load += loads[since + index, i]
-            if own_loads.size:
-                load += own_loads[since + index, i]
-            state[EXTERNAL, i] += load / setup.substeps
             push = scratch[TOTAL, i]
             if setup.shaped:
                 push, drive[0, i] = joint_torque(
@@ -113,7 +119,9 @@ def advance(
                     plant[CORNER, i], plant[NO_LOAD, i], plant[SPEED_LIMIT, i], setup.foldback,
                 )  # fmt: skip
                 scratch[TOTAL, i] += push
-            scratch[PUSH, i] = push + load
+            scratch[PUSH, i] = push
+        if loads.size or own_loads.size:
+            _add_loads(loads, own_loads, since + index, setup.substeps, state, scratch)
         integrate(setup, parent, body, gravity, plant, state, scratch, room, squares, signs)
         for i in range(nv):
             scratch[AT_Q, i], scratch[AT_V, i] = scratch[NEXT_Q, i], scratch[NEXT_V, i]

@@ -10,7 +10,7 @@ import numpy as np
 
 from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.controllers.protocol import Sample, Setpoint
-from asmc_pin.plant.compiled_run.coverage import held_bodies
+from asmc_pin.plant.compiled_run.held_dynamics import held_bodies
 from asmc_pin.plant.compiled_run.run_rows import (
     BACKWARD,
     BREAK_BACKWARD,

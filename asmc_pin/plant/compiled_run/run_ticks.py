@@ -13,7 +13,7 @@ import numpy as np
 from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.controllers.one_trial.compiled_tde import surface
 from asmc_pin.controllers.one_trial.trial_step import WORK_ROWS, Tick
-from asmc_pin.numerics.short_loops import short_loops, with_room
+from asmc_pin.numerics.short_loops import inlined, short_loops, with_room
 from asmc_pin.plant.compiled_run.one_period import advance, hold, observe, within
 from asmc_pin.plant.compiled_run.run_rows import (
     BEGAN_Q,
@@ -89,7 +89,7 @@ class Histories(NamedTuple):
     gain: Array
 
 
-@short_loops
+@inlined
 def _write(histories: Histories, trial: int, k: int, q: Array, v: Array, seen: Array, state: Array) -> None:
     """What happened in a period: where it began, what was reported then, and what acted."""
     for i in range(q.size):
@@ -99,7 +99,7 @@ def _write(histories: Histories, trial: int, k: int, q: Array, v: Array, seen: A
         if histories.q_measured.size:
             histories.q_measured[trial, k, i] = seen[0, i]
             histories.v_measured[trial, k, i] = seen[1, i]
-            histories.torque_measured[trial, k, i] = seen[2, i]
+        histories.torque_measured[trial, k, i] = seen[2, i]
         if histories.external_torque.size:
             histories.external_torque[trial, k, i] = state[EXTERNAL, i]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from asmc_pin._typing import Array, IntArray
 from asmc_pin.numerics.cholesky import solve_shifted
-from asmc_pin.numerics.short_loops import short_loops
+from asmc_pin.numerics.short_loops import inlined, short_loops
 from asmc_pin.plant.compiled_run.friction_step import after_step, fill_levels
 from asmc_pin.plant.compiled_run.run_rows import (
     AHEAD,
@@ -43,7 +43,7 @@ from asmc_pin.plant.world.end_stops import stop_torque
 from asmc_pin.rigid_body.dynamics import fill_dynamics
 
 
-@short_loops
+@inlined
 def _fill_forces(
     setup: Setup,
     parent: IntArray,

@@ -39,7 +39,7 @@ FACES_PER_JOINT = 20
 @njit(cache=True, nogil=True, inline="always")
 def _sticks(forward: Array, backward: Array, sign: IntArray, i: int) -> bool:
     """Whether joint i sticks; one without Coulomb friction has the sign 0 too, but no kink to stick in."""
-    return sign[i] == 0 and (forward[i] > 0.0 or backward[i] > 0.0)
+    return bool(sign[i] == 0 and (forward[i] > 0.0 or backward[i] > 0.0))
 
 
 @njit(cache=True, nogil=True, inline="always")
