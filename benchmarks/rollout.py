@@ -10,9 +10,8 @@ on one thread, in processor time, which other programs disturb less than the clo
 "numpy law" is the same law with its adaptation written in numpy, as a user's own would be, asked tick by tick. "full"
 has a Stribeck curve, drives with delay, current loop and speed limits, and encoders with noise, a filter and a delay.
 
-Beside them stand others' loops on the same arm, without friction: a Python loop round MuJoCo's `mj_step`, MuJoCo's
-`rollout` in C, open loop, and Drake's `Simulator` with the law's torque from a Python `LeafSystem`. Each is left out,
-and that is said, where the package is not installed; none is needed by this project but MuJoCo for `agree`.
+Beside them stand MuJoCo's on the same arm, without friction and law: a Python loop round `mj_step`, and its `rollout`
+in C, open loop. They are left out, and that is said, where MuJoCo is not installed.
 
 With ``--scaling``: cost against batch, joints, horizon and threads; the last by the clock, so it wants idle processors.
 """
@@ -63,6 +62,7 @@ class InNumpy(Baek2016):
     """The law with a step of its own in numpy."""
 
     def step(self, state: AdaptiveState, sample: Sample, setpoint: Setpoint) -> tuple[np.ndarray, AdaptiveState]:
+        """Torque and next state."""
         torque, s, tde = self.pole_placement(state.tde, sample, setpoint)
         size, gain = np.abs(s), state.gain
         outside = np.maximum.reduce(size, axis=-1, keepdims=True) >= self.epsilon
@@ -153,7 +153,7 @@ def mujoco_rollout(batch: int, repeats: int) -> float:
 
 
 def chain(joints: int, folder: Path) -> Arm:
-    """A chain of equal links that turn about x, y, z, x, …"""
+    """A chain of equal links that turn about x, y, z and so on."""
     axes = ("1 0 0", "0 1 0", "0 0 1")
     text = '<link name="link0"/>'
     for k in range(joints):
@@ -226,13 +226,6 @@ def main() -> None:
         print(f"mujoco.rollout, open loop, 256: {rolled:.2f} µs, {rolled / bare(256, repeats):.2f} of bare aba there")
     except MissingDependencyError as error:
         print(f"MuJoCo left out: {error}")
-    try:
-        from drake_peer import drake_loop
-
-        loop = drake_loop(ARM, LAWS["baek2016"], REFERENCE, repeats)
-        print(f"Drake's Simulator with a LeafSystem: {loop:.2f} µs per tick, {loop / bare(1, repeats):.2f} of bare aba")
-    except ImportError:
-        print("Drake's Simulator left out: the package drake is not installed")
     if options.scaling:
         scaling(repeats)
 

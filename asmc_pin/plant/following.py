@@ -56,7 +56,7 @@ def follow_compiled(
         chunk = max(1, TRIAL_TICKS // batch)
         k = 0
         while k < ticks and run.active.any():
-            k = run.follow_law(step.compiled, law, memory, gain, ks, k, min(k + chunk, ticks))
+            k = run.follow_law(step.address, law, memory, gain, ks, k, min(k + chunk, ticks))
             if progress is not None:
                 progress(k, ticks)
     else:

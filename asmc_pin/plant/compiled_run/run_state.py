@@ -113,12 +113,12 @@ class CompiledRun:
         return Sample(seen[:, 0], seen[:, 1], seen[:, 2])
 
     def follow_law(
-        self, step: Any, law: Array, memory: Array, gain: int | None, ks: Array | None, begin: int, end: int
+        self, step: int, law: Array, memory: Array, gain: int | None, ks: Array | None, begin: int, end: int
     ) -> int:
         """Run a compiled law over ticks, not beyond one where the arms change.
 
         Args:
-            step: The compiled step.
+            step: Address of the law's step.
             law: Its parameters, (1 or batch, rows, nv).
             memory: What it remembers, (batch, rows, nv); written.
             gain: Row of that which is logged.

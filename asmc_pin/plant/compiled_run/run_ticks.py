@@ -6,13 +6,13 @@ into chunks, nor on the thread that computes it.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.controllers.one_trial.compiled_tde import surface
-from asmc_pin.controllers.one_trial.trial_step import WORK_ROWS, Tick
+from asmc_pin.controllers.one_trial.trial_step import WORK_ROWS, Tick, run_at
 from asmc_pin.numerics.short_loops import inlined, short_loops, with_room
 from asmc_pin.plant.compiled_run.one_period import advance, hold, observe, within
 from asmc_pin.plant.compiled_run.run_rows import (
@@ -124,7 +124,7 @@ def _stop(histories: Histories, trials: Trials, trial: int, k: int) -> None:
 
 @short_loops
 def _follow_law(
-    step: Any,
+    step: int,
     begin: int,
     end: int,
     law: Array,
@@ -169,7 +169,8 @@ def _follow_law(
         for i in range(nv):
             told[3, i], told[4, i], told[5, i] = inputs.q_ref[k, i], inputs.v_ref[k, i], inputs.a_ref[k, i]
             q[i], v[i] = state[Q, i], state[V, i]
-        step(Tick(k, told[0], told[1], told[2], told[3], told[4], told[5]), law, memory, work, command)
+        tick = Tick(k, told[0], told[1], told[2], told[3], told[4], told[5])
+        run_at(step, tick, law, memory, work, command)
         if not hold(plant, scratch, command):
             _stop(histories, trials, trial, k)
             return
@@ -187,7 +188,7 @@ def _follow_law(
 
 @with_room
 def run_law(
-    step: Any,
+    step: int,
     begin: int,
     end: int,
     law: Array,
@@ -206,7 +207,7 @@ def run_law(
     """Run trials under a compiled law from one tick to another.
 
     Args:
-        step: The law's `TrialStep`, compiled.
+        step: Address of the law's `TrialStep`.
         begin: First tick.
         end: Tick before which to stop.
         law: Its parameters, (1 or batch, rows, nv).
