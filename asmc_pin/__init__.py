@@ -76,11 +76,20 @@ if TYPE_CHECKING:
     from asmc_pin.experiment import Experiment as Experiment
     from asmc_pin.experiment import experiment_names as experiment_names
     from asmc_pin.experiment import load_experiment as load_experiment
+    from asmc_pin.experiment.variation.axes import Variation as Variation
+    from asmc_pin.experiment.variation.axes import VariedKey as VariedKey
+    from asmc_pin.experiment.variation.draws import Distribution as Distribution
+    from asmc_pin.inspection import Doubt as Doubt
+    from asmc_pin.inspection import Inspection as Inspection
+    from asmc_pin.inspection import inspect as inspect
+    from asmc_pin.inspection.inspection_report import InspectedJoint as InspectedJoint
     from asmc_pin.metrics import METRICS as METRICS
     from asmc_pin.metrics import Metric as Metric
     from asmc_pin.metrics import MetricSettings as MetricSettings
     from asmc_pin.metrics import evaluate as evaluate
-    from asmc_pin.pages.summary_tables import Table as Table
+    from asmc_pin.pages.sweeps.sweep_findings import Compared as Compared
+    from asmc_pin.pages.sweeps.sweep_findings import SweepFindings as SweepFindings
+    from asmc_pin.pages.tables.text_table import Table as Table
     from asmc_pin.parameters import AsGiven as AsGiven
     from asmc_pin.parameters import OptionalPerJoint as OptionalPerJoint
     from asmc_pin.parameters import PerTrial as PerTrial
@@ -117,6 +126,7 @@ if TYPE_CHECKING:
     from asmc_pin.sampled.gain_choice.gain_search import Margins as Margins
     from asmc_pin.sampled.gain_choice.gains import suggest_gains as suggest_gains
     from asmc_pin.sampled.stability_report import WorstFound as WorstFound
+    from asmc_pin.statistics.pairwise import PairedComparison as PairedComparison
     from asmc_pin.study import Comparison as Comparison
     from asmc_pin.study import compare as compare
     from asmc_pin.study.comparison_notes import Lemma1Part as Lemma1Part
@@ -124,6 +134,9 @@ if TYPE_CHECKING:
     from asmc_pin.study.refinement import Refinement as Refinement
     from asmc_pin.study.run_monitors import Theorems as Theorems
     from asmc_pin.study.viewing import view as view
+    from asmc_pin.sweeping import Sweep as Sweep
+    from asmc_pin.sweeping import sweep as sweep
     from asmc_pin.tool_error import ToolError as ToolError
+    from asmc_pin.words.provisos import Proviso as Proviso
 
 __getattr__, __dir__, __all__ = load_on_first_use(__name__)

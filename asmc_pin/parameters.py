@@ -74,16 +74,33 @@ class Parameter(Generic[Value, Given]):
 class _Number:
     """Bounds of a number, and how they are said."""
 
-    def __init__(self, unit: str, above: float | None, at_least: float | None) -> None:
+    def __init__(
+        self,
+        unit: str,
+        above: float | None,
+        at_least: float | None,
+        below: float | None = None,
+        at_most: float | None = None,
+        infinite: bool = False,
+    ) -> None:
         self.above = above
         self.at_least = at_least
-        bounds = [f"{word} {x:g}" for word, x in (("above", above), ("at least", at_least)) if x is not None]
-        self.text = f"{' and '.join(bounds) or 'finite'} {unit}".strip()
-        self.words = "".join(f", {bound}" for bound in bounds)
+        self.below = below
+        self.at_most = at_most
+        self.infinite = infinite
+        named = (("above", above), ("at least", at_least), ("below", below), ("at most", at_most))
+        bounds = [f"{word} {x:g}" for word, x in named if x is not None]
+        self.text = f"{' and '.join(bounds) or 'finite'} {unit}".strip() + (", or inf" if infinite else "")
+        self.words = "".join(f", {bound}" for bound in bounds) + (", or inf" if infinite else "")
 
     def ok(self, values: Array) -> BoolArray:
-        low = values > (-np.inf if self.above is None else self.above)
-        return np.isfinite(values) & low & (values >= (-np.inf if self.at_least is None else self.at_least))
+        inside = np.isfinite(values) | (self.infinite & (values == np.inf))
+        inside &= values > (-np.inf if self.above is None else self.above)
+        inside &= values >= (-np.inf if self.at_least is None else self.at_least)
+        if self.below is not None:
+            inside &= values < self.below
+        inside &= values <= (np.inf if self.at_most is None else self.at_most)
+        return np.asarray(inside)
 
 
 def _as_floats(name: str, value: object, expected: str) -> Array:
@@ -98,7 +115,7 @@ def _as_floats(name: str, value: object, expected: str) -> Array:
 
 
 class Scalar(Parameter[float, float]):
-    """A parameter that is one number."""
+    """A parameter that is one number; inf only where that is said to be allowed."""
 
     def __init__(
         self,
@@ -107,13 +124,16 @@ class Scalar(Parameter[float, float]):
         *,
         above: float | None = None,
         at_least: float | None = None,
+        below: float | None = None,
+        at_most: float | None = None,
+        infinite: bool = False,
         default: float = REQUIRED,
     ) -> None:
         super().__init__(meaning, unit, default=default)
-        self.bound = _Number(unit, above, at_least)
+        self.bound = _Number(unit, above, at_least, below, at_most, infinite)
 
     def convert(self, value: float) -> float:
-        """A finite float within the bound."""
+        """A float within the bound."""
         number = _as_floats(self.name, value, f"one number, {self.bound.text}")
         if number.ndim != 0:
             raise ParameterError(self.name, f"got {value!r}; expected one number, {self.bound.text}, for all joints")
@@ -152,6 +172,11 @@ class ScalarOrWord(Parameter["float | str", "float | str"]):
             return value
         expected = f"one number, {self._scalar.bound.text}, or {' or '.join(map(repr, self.words))}"
         raise ParameterError(self.name, f"got {value!r}; expected {expected}")
+
+    @property
+    def takes(self) -> str:
+        """What may be given, in a few words."""
+        return ", ".join([self._scalar.takes, *(f'or "{word}"' for word in self.words)])
 
 
 class OptionalScalar(Parameter["float | None", "float | None"]):
@@ -348,7 +373,8 @@ def match_joints(instance: object) -> int | None:
     Raises:
         ParameterError: two fields have different lengths; it names the later one.
     """
-    values = {n: instance.__dict__[n] for n, p in parameters_of(type(instance)).items() if isinstance(p, PerJoint)}
+    fields = {n: instance.__dict__[n] for n, p in parameters_of(type(instance)).items() if isinstance(p, PerJoint)}
+    values = {name: value for name, value in fields.items() if value is not None}
     first = next((name for name, value in values.items() if value.ndim == 1), None)
     if first is None:
         return None

@@ -45,7 +45,7 @@ def main() -> None:
     # Any M̄ costs the same; a fifth of the smallest diagonal is about what Lemma 1 allows.
     mbar = 0.2 * np.diagonal(arm.mass_matrix(q[:1000]), axis1=1, axis2=2).min(axis=0)
     few = q[: max(1, options.configurations // 20)]
-    expected, found = plain_loop(arm, mbar, few), evaluate(compiled_norms.LEMMA1, arm, few, mbar)
+    expected, found = plain_loop(arm, mbar, few), evaluate(compiled_norms.LEMMA1, arm.tree, few, mbar)
     plain = np.inf
     ours = dict.fromkeys(options.threads, np.inf)
     for _ in range(options.repeats):
@@ -54,7 +54,7 @@ def main() -> None:
         plain = min(plain, (perf_counter() - start) / len(few))
         for threads in options.threads:
             start = perf_counter()
-            evaluate(compiled_norms.LEMMA1, arm, q, mbar, threads=threads)
+            evaluate(compiled_norms.LEMMA1, arm.tree, q, mbar, threads=threads)
             ours[threads] = min(ours[threads], (perf_counter() - start) / len(q))
 
     print(f"{arm.name}, {arm.nv} joints, {len(q)} configurations ({len(few)} for the plain loop)")

@@ -6,25 +6,29 @@ that a parameter carries, from a class's title and equation, from the docstring 
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable, Iterable
 from functools import cache
 
 from import_graph import PACKAGE, circles, docstring, folders, layers, reduced, room_graph
+from law_oracles import ORACLES
 
 from asmc_pin.arms import ARMS
 from asmc_pin.baselines import BASELINES, ModelLaw
 from asmc_pin.cli.commands.listing_commands import arm_rows, controller_rows, metric_rows
 from asmc_pin.controllers import CONTROLLERS, TdeLaw
+from asmc_pin.controllers.law_card import law_card
 from asmc_pin.experiment.constructors import Signature
 from asmc_pin.experiment.plant_parts import LISTS, TABLES
-from asmc_pin.experiment.toml_keys import ArmTable, ExperimentTables, MetricsTable, PlantTable, TomlTable
+from asmc_pin.experiment.toml_keys import ArmTable, EnsembleTable, ExperimentTables, MetricsTable, PlantTable, TomlTable
 from asmc_pin.metrics import METRICS
 from asmc_pin.monitors import STATEMENTS
 from asmc_pin.pages.comparison_figures import FIGURES
 from asmc_pin.parameters import REQUIRED, Parameter, parameters_of
 from asmc_pin.plant import ORDERS
 from asmc_pin.references import REFERENCES
+from asmc_pin.reproduction.reproduction_page import medians, plain_pair
 from asmc_pin.words.media import for_cell
 
 PARTS: dict[str, Callable[[], str]] = {}
@@ -98,6 +102,18 @@ part("controllers")(lambda: plain(*controller_rows()))
 part("metrics")(lambda: plain(*metric_rows()))
 
 
+@part("reproduced-rows")
+def reproduced_rows() -> str:
+    """README.md: what the page of the paper says of one table, with how sure it is."""
+    data = json.loads((PACKAGE.parent / "docs" / "reproduction" / "reproduction.json").read_text(encoding="utf-8"))
+    item = data["experiments"]["baek2016_simulation_smooth"]
+    rows = (
+        [label, plain_pair(item["paper"]["rms_deg"].get(label)), medians(run, "rms_deg")]
+        for label, run in item["controllers"].items()
+    )
+    return plain(["controller", "paper", "measured"], rows)
+
+
 # One page for each kind of thing --------------------------------------------------------------------------------------
 
 
@@ -163,6 +179,20 @@ part("law-equations")(
 )
 
 
+@part("law-oracles")
+def law_oracles_table() -> str:
+    """docs/laws.md: what each law has to do, and what was measured through the plant."""
+    rows = ([code(item.law), prose(item.property), prose(item.must), prose(item.shown())] for item in ORACLES)
+    return table(["law", "property", "what it has to be", "measured"], rows)
+
+
+@part("law-cards")
+def law_cards() -> str:
+    """docs/law_cards.md: every law on one page."""
+    cards = (law_card(name, law).lines() for name, law in CONTROLLERS.items())
+    return "\n\n".join("\n".join([f"## {lines[0]}", "", "```text", *lines[2:], "```"]) for lines in cards)
+
+
 @part("reference-kinds")
 def reference_kinds() -> str:
     """docs/references.md: the kinds, and what each takes."""
@@ -220,8 +250,11 @@ def _field_rows(model: type[TomlTable], path: str, skip: Iterable[str] = ()) -> 
 @part("experiment-keys")
 def experiment_keys() -> str:
     """Every key whose name does not depend on a law or a kind."""
-    rows = _field_rows(ExperimentTables, "", skip=("plant", "metrics", "reference", "defaults", "controllers"))
-    rows += _field_rows(ArmTable, "arm.") + _field_rows(PlantTable, "plant.") + _field_rows(MetricsTable, "metrics.")
+    rows = _field_rows(
+        ExperimentTables, "", skip=("plant", "ensemble", "metrics", "reference", "defaults", "controllers")
+    )
+    rows += _field_rows(ArmTable, "arm.") + _field_rows(PlantTable, "plant.")
+    rows += _field_rows(EnsembleTable, "ensemble.") + _field_rows(MetricsTable, "metrics.")
     return table(["key", "value", "default"], rows)
 
 

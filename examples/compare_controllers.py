@@ -14,4 +14,5 @@ with tempfile.TemporaryDirectory() as folder:
     print(comparison)
 
 rows = comparison.rows  # one for each controller, trial and joint; metrics in SI units
-print(rows.groupby("controller", sort=False)[["rms_error", "torque_variation"]].mean())
+print(rows.groupby(["controller", "joint"], sort=False)[["rms_error", "torque_variation"]].median().head(6))
+print(comparison.to_json_dict()["comparisons"][0])  # how sure the order of the first two is

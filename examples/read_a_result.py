@@ -12,7 +12,7 @@ with tempfile.TemporaryDirectory() as folder:
     asmc_pin.compare(experiment, out=Path(folder) / "quick")
 
     result = asmc_pin.load_result(Path(folder) / "quick")
-    data = result.dataset  # dimensions controller, trial, time, joint; units as attributes
+    data = result.dataset  # of the first trial; dimensions controller, trial, time, joint; units as attributes
     error = np.degrees(np.abs(data.q_ref - data.q)).max(("trial", "time"))
     print(error.to_pandas().round(4), "\n")
     print(result.summary[["controller", "joint", "rms_error", "torque_rms"]].head(6), "\n")

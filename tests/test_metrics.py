@@ -102,6 +102,43 @@ def test_variation_of_a_sine_is_four_amplitudes_a_period():
     assert figure("torque_variation", rollout) == pytest.approx(4 * 3.0 * 2.5, rel=1e-3)
 
 
+def test_integrals_of_a_ramp_error_are_those_of_the_textbook():
+    # e = 2t over 1 s: ∫|e| = 1, ∫e² = 4/3, ∫t|e| = 2/3; the sign does not count.
+    rollout = run(q=2.0 * np.arange(1001) * L)
+    assert figure("iae", rollout) == pytest.approx(1.0, rel=1e-12)
+    assert figure("ise", rollout) == pytest.approx(4 / 3, rel=1e-6)
+    assert figure("itae", rollout) == pytest.approx(2 / 3, rel=1e-6)
+
+
+def test_the_time_in_itae_begins_with_the_run_and_an_error_at_once_hardly_counts():
+    early, late = np.zeros(1001), np.zeros(1001)
+    early[:10], late[-10:] = 1.0, 1.0
+    assert figure("iae", run(q=early)) == pytest.approx(figure("iae", run(q=late)))
+    assert figure("itae", run(q=early)) < 0.01 * figure("itae", run(q=late))
+
+
+def test_energy_counts_work_done_and_work_absorbed_and_losses_follow_the_torque_squared():
+    # +3 N·m while the joint goes from 0 to 1 rad and back: 3 J done, 3 J absorbed; the last torque acts after the end.
+    q = np.concatenate([np.linspace(0.0, 1.0, 501), np.linspace(1.0, 0.0, 501)[1:]])
+    rollout = run(q=q, torque=np.append(np.full(1000, 3.0), 1e6))
+    assert figure("energy", rollout) == pytest.approx(6.0, rel=1e-12)
+    assert figure("copper_loss_proxy", rollout) == pytest.approx(9.0, rel=1e-12)
+    # A joint that is held against gravity does no work and heats its motor all the same.
+    held = run(torque=np.full(1001, 5.0))
+    assert figure("energy", held) == 0.0
+    assert figure("copper_loss_proxy", held) == pytest.approx(25.0)
+
+
+def test_the_largest_step_and_the_ticks_over_a_rate_are_counted_within_the_run():
+    # Steps 0.5, 1.0, -2.0, 0.1 N·m in 1 ms: 500, 1000, 2000 and 100 N·m/s; then one that acts after the end.
+    rollout = run(6, torque=np.array([0.0, 0.5, 1.5, -0.5, -0.4, 1e6]))
+    assert figure("torque_step", rollout) == 2.0
+    assert figure("torque_rate_ticks", rollout) == 1.0  # 1000 N·m/s itself is within a limit of 1000
+    assert figure("torque_rate_ticks", rollout, torque_rate_limit=400.0) == 3.0
+    assert figure("torque_rate_ticks", rollout, torque_rate_limit=np.inf) == 0.0
+    assert (figure("torque_step", run(2)), figure("torque_rate_ticks", run(2))) == (0.0, 0.0)
+
+
 def test_a_steady_torque_has_no_chatter_however_large():
     rollout = run(torque=np.full(1001, 1e3 / 3.0))
     assert figure("torque_variation", rollout) == 0.0
@@ -177,6 +214,8 @@ def test_settings_refuse_what_has_no_meaning():
         MetricSettings(cutoff_hz=0.0)
     with pytest.raises(ParameterError, match="settling_band"):
         MetricSettings(settling_band=np.array([0.1, -0.1]))
+    with pytest.raises(ParameterError, match="torque_rate_limit"):
+        MetricSettings(torque_rate_limit=0.0)
 
 
 @pytest.mark.parametrize("metric", METRICS.values(), ids=lambda metric: metric.name)

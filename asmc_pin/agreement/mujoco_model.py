@@ -5,6 +5,7 @@ MuJoCo is an extra (``pip install 'asmc-pin[agree]'``) and is imported on first 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from types import ModuleType
 from typing import Any
 
@@ -12,6 +13,7 @@ import numpy as np
 from lxml import etree
 
 from asmc_pin._typing import Array
+from asmc_pin.agreement.folded_bodies import fold_impossible
 from asmc_pin.arms import Arm
 from asmc_pin.errors import MissingDependencyError, NotComparableError
 
@@ -40,6 +42,9 @@ def import_mujoco() -> ModuleType:
 
 class Twin:
     """The arm in MuJoCo: same links, gravity, armature, payload and locks; no friction, no limits, no contacts.
+
+    Joints that mimic others are free in MuJoCo, whose own coupling is a soft constraint. Its terms are projected here:
+    Sᵀ M S and Sᵀ (C q̇ + g), with S from the URDF's numbers.
 
     Args:
         arm: The arm.
@@ -70,12 +75,14 @@ class Twin:
             notes.append(
                 f"links without a mass or rotational inertia get {LEAST_INERTIA:g} (kg, kg·m²) in {self.engine}"
             )
-        if self._model.nv != arm.nv:
+        names = list(arm.model.names)[1:]
+        if self._model.nv != len(names):
             raise NotComparableError(
-                arm.source, f"{self.engine} gives {arm.name} {self._model.nv} joints, not {arm.nv}"
+                arm.source, f"{self.engine} gives {arm.name} {self._model.nv} joints, not {len(names)}"
             )
         self._data = self._mujoco.MjData(self._model)
-        joints = [self._model.joint(name) for name in arm.joint_names]
+        joints = [self._model.joint(name) for name in names]
+        self._follow, self._from = _followed(arm, names)
         self._q = np.array([joint.qposadr[0] for joint in joints])
         self._v = np.array([joint.dofadr[0] for joint in joints])
         self.notes = tuple(notes)
@@ -86,10 +93,11 @@ class Twin:
         spec.option.gravity = self.arm.gravity_vector
         spec.option.integrator = self._mujoco.mjtIntegrator.mjINT_RK4
         spec.compiler.boundmass = spec.compiler.boundinertia = least
-        notes = _round_inertias(spec)
         self._lock(spec)
+        fold_impossible(spec)
+        notes = _round_inertias(spec)
         self._load(spec)
-        for name, armature in zip(self.arm.joint_names, self.arm.armature, strict=True):
+        for name, armature in zip(list(self.arm.model.names)[1:], self.arm.model.armature, strict=True):
             spec.joint(name).armature = armature
         return spec.compile(), notes
 
@@ -101,10 +109,13 @@ class Twin:
         mass = np.empty((model.nv, model.nv))
         for i, unit in enumerate(np.eye(model.nv)):
             mujoco.mj_mulM(model, data, mass[i], unit)
-        return mass[np.ix_(self._v, self._v)], np.array(data.qfrc_bias[self._v])
+        mass, follow = mass[np.ix_(self._v, self._v)], self._follow
+        return follow.T @ mass @ follow, np.array(data.qfrc_bias[self._v]) @ follow
 
     def run(self, q: Array, v: Array, torque: Array, step: float) -> tuple[Array, Array]:
         """Integrate with MuJoCo's Runge-Kutta scheme of fourth order, the torque held over each step.
+
+        Where joints mimic others, MuJoCo's projected terms are integrated by the same scheme.
 
         Args:
             q: Start, shape (nv,), rad.
@@ -115,6 +126,8 @@ class Twin:
         Returns:
             q and v after each step, each of shape (steps, nv).
         """
+        if self.arm.mimics:
+            return self._run_projected(q, v, torque, step)
         model, data = self._model, self._data
         model.opt.timestep = step
         self._mujoco.mj_resetData(model, data)
@@ -126,9 +139,22 @@ class Twin:
             path[k], speed[k] = data.qpos[self._q], data.qvel[self._v]
         return path, speed
 
+    def _run_projected(self, q: Array, v: Array, torque: Array, step: float) -> tuple[Array, Array]:
+        path, speed = np.empty_like(torque), np.empty_like(torque)
+        for k, applied in enumerate(torque):
+            slopes_q, slopes_v, q_at, v_at = np.zeros_like(q), np.zeros_like(v), q, v
+            for weight, span in ((1.0, 0.5 * step), (2.0, 0.5 * step), (2.0, step), (1.0, 0.0)):
+                mass, bias = self.mass_and_bias(q_at, v_at)
+                slope = np.linalg.solve(mass, applied - bias)
+                slopes_q, slopes_v = slopes_q + weight * v_at, slopes_v + weight * slope
+                q_at, v_at = q + span * v_at, v + span * slope
+            q, v = q + (step / 6.0) * slopes_q, v + (step / 6.0) * slopes_v
+            path[k], speed[k] = q, v
+        return path, speed
+
     def _set(self, q: Array, v: Array) -> None:
-        self._data.qpos[self._q] = q
-        self._data.qvel[self._v] = v
+        self._data.qpos[self._q] = self._follow @ q + self._from
+        self._data.qvel[self._v] = self._follow @ v
 
     def _lock(self, spec: Any) -> None:
         """Turn locked joints into rigid connections, by moving the child body to where the joint holds it."""
@@ -191,6 +217,28 @@ def dynamics_only(urdf: str) -> str:
     return text
 
 
+def _followed(arm: Arm, names: Sequence[str]) -> tuple[Array, Array]:
+    """S (n, nv) and the offsets (n,) of the joints by these names: the arm's own reading of the URDF is not used."""
+    numbers = {name: i for i, name in enumerate(arm.joint_names)}
+    written = {
+        joint.get("name"): mimic.attrib
+        for joint in etree.fromstring(arm.urdf_text.encode()).iter()
+        if isinstance(joint.tag, str) and etree.QName(joint).localname == "joint"
+        for mimic in joint
+        if isinstance(mimic.tag, str) and etree.QName(mimic).localname == "mimic"
+    }
+    matrix, offset = np.zeros((len(names), arm.nv)), np.zeros(len(names))
+    for k, name in enumerate(names):
+        ratio = 1.0
+        while name not in numbers:
+            follows = written[name]
+            offset[k] += ratio * float(follows.get("offset", "0"))
+            ratio *= float(follows.get("multiplier", "1"))
+            name = follows["joint"]
+        matrix[k, numbers[name]] = ratio
+    return matrix, offset
+
+
 def _round_inertias(spec: Any) -> list[str]:
     """Bring inertias that miss the triangle inequality by a rounding within it, by their largest moment alone."""
     notes = []
@@ -203,6 +251,8 @@ def _round_inertias(spec: Any) -> list[str]:
         moments[0] = max(moments[0], 0.0)
         most = (moments[0] + moments[1]) * (1.0 - _ROUNDING)
         if moments[2] <= most:
+            continue
+        if moments[2] <= LEAST_INERTIA:
             continue
         name, share = body.name.removeprefix(_LINK), (moments[2] - most) / moments[2]
         notes.append(f"link '{name}': its largest moment lowered by {share:.1e} of it")

@@ -19,10 +19,11 @@ from asmc_pin.errors import ParameterError
 from asmc_pin.words.units import check_angle, check_gravity
 
 GRAVITY = (0.0, 0.0, -9.81)
-Load = float | Payload | Mapping[str, Any]
+Load = float | str | Payload | Mapping[str, Any]
 Armature = float | Sequence[float] | Array | Mapping[str, float]
 Lock = Mapping[str, "float | str | None"]
 Gravity = Sequence[float] | Array
+ChainEnds = tuple[str, str]
 
 
 class Unchanged:
@@ -40,10 +41,18 @@ class Variant:
     armature: Array | dict[str, float] | None = None
     lock: dict[str, float | str | None] | None = None
     gravity: Array | None = None
+    repair: bool | None = None
+    chain: ChainEnds | None = None
 
 
 def read_variant(
-    payload: Load | None, armature: Armature | None, lock: Lock | None, gravity: Gravity | None
+    *,
+    payload: Load | None = None,
+    armature: Armature | None = None,
+    lock: Lock | None = None,
+    gravity: Gravity | None = None,
+    repair: bool | None = None,
+    chain: ChainEnds | None = None,
 ) -> Variant:
     """Copy and check what can be checked without the arm.
 
@@ -55,6 +64,8 @@ def read_variant(
         armature=dict(armature) if isinstance(armature, Mapping) else _numbers("armature", armature),
         lock=dict(lock) if lock is not None else None,
         gravity=_gravity(gravity),
+        repair=_switch("repair", repair),
+        chain=_ends(chain),
     )
 
 
@@ -67,7 +78,8 @@ def resolve_locks(robot: Robot, default: Mapping[str, float], lock: Lock | None)
         lock: The user's: joint to value (rad, m); None or ``"free"`` frees a joint that is locked by default.
 
     Returns:
-        Joint to value; a joint that mimics a locked one is locked at the value that follows.
+        Joint to value; a joint that mimics a locked or fixed one, or nothing of it (multiplier 0), is locked at the
+        value that follows.
 
     Raises:
         ParameterError: An unknown joint, or a value that is not a finite number.
@@ -97,8 +109,8 @@ def resolve_locks(robot: Robot, default: Mapping[str, float], lock: Lock | None)
     # A follower may follow a follower; each pass settles at least one more link of such a chain.
     for _ in followers:
         for name, mimic in followers.items():
-            if mimic.joint in locked:
-                locked[name] = mimic.multiplier * locked[mimic.joint] + mimic.offset
+            if mimic.multiplier == 0.0 or mimic.joint in locked or mimic.joint in robot.fixed:
+                locked[name] = mimic.multiplier * locked.get(mimic.joint, 0.0) + mimic.offset
                 if not abs(locked[name]) <= LENGTH:
                     where = robot.joints[name].where
                     raise ParameterError("lock", f"{where}: follows '{mimic.joint}' to {locked[name]:g}; mend <mimic>")
@@ -106,36 +118,40 @@ def resolve_locks(robot: Robot, default: Mapping[str, float], lock: Lock | None)
 
 
 def resolve_armature(
-    joints: Sequence[str], default: Mapping[str, float], armature: Array | Mapping[str, float] | None
+    joints: Sequence[str],
+    default: Mapping[str, float],
+    armature: Array | Mapping[str, float] | None,
+    followers: Sequence[str] = (),
 ) -> Array:
     """Reflected rotor inertia of each moving joint, kg·m².
 
     Args:
-        joints: Names of the moving joints.
+        joints: Names of the driven joints.
         default: Values of the registry's entry.
-        armature: What the user sets in their place: one value for all, one per joint, or a mapping that leaves the
-            other joints alone.
+        armature: What the user sets in their place: one value for all driven joints, one per driven joint, or a mapping
+            that leaves the other joints alone.
+        followers: Names of the joints that mimic them; a mapping may give their own, at their own axis.
 
     Returns:
-        Shape (nv,).
+        Of the driven joints, then of the followers, shape (n,).
 
     Raises:
         ParameterError: A wrong size, an unknown joint, a negative or non-finite value.
     """
-    values = np.array([default.get(name, 0.0) for name in joints])
+    values = np.array([default.get(name, 0.0) for name in (*joints, *followers)])
     if isinstance(armature, Mapping):
         for name, value in armature.items():
-            if name not in joints:
+            if name not in joints and name not in followers:
                 raise ParameterError("armature", f"no moving joint '{name}'; {nearest(name, list(joints))}")
             number = _numbers(f"armature.{name}", value)
             if number is None or number.shape != ():
                 raise ParameterError(f"armature.{name}", f"{value!r} given, one number expected, kg·m²")
-            values[list(joints).index(name)] = number
+            values[[*joints, *followers].index(name)] = number
     elif armature is not None:
         if armature.shape not in ((), (1,), (len(joints),)):
             expected = f"1 or {len(joints)} expected ({', '.join(joints)})"
             raise ParameterError("armature", f"{armature.size} values given, {expected}")
-        values[:] = armature
+        values[: len(joints)], values[len(joints) :] = armature, 0.0
     if not np.all(np.isfinite(values)) or np.any(values < 0.0):
         raise ParameterError("armature", f"{values.tolist()} given, finite values of zero or more expected, kg·m²")
     if np.any(values > INERTIA):
@@ -155,6 +171,20 @@ def _gravity(gravity: Gravity | None) -> Array | None:
         raise ParameterError("gravity", f"{gravity!r} given, at most {LARGEST_GRAVITY:g} m/s² expected")
     if value is not None:
         check_gravity(value)
+    return value
+
+
+def _ends(value: Any) -> ChainEnds | None:
+    if value is None:
+        return None
+    if isinstance(value, str) or len(value) != 2 or not all(isinstance(name, str) for name in value):
+        raise ParameterError("chain", f"{value!r} given, two links expected: the base and the tip")
+    return value[0], value[1]
+
+
+def _switch(parameter: str, value: Any) -> bool | None:
+    if value is not None and not isinstance(value, bool):
+        raise ParameterError(parameter, f"{value!r} given, True or False expected")
     return value
 
 

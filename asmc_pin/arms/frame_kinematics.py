@@ -46,6 +46,7 @@ class FrameKinematics:
             chain.append(joint - 1)
             joint = model.parents[joint]
         tree = arm.tree
+        self._coupling = tree.coupling
         # Copies: numba looks up a read-only array's type at every call.
         self._arrays = (
             np.array(chain[::-1], dtype=np.int64),
@@ -57,7 +58,7 @@ class FrameKinematics:
     def poses(self, q: Array) -> Array:
         """Pose of the frame in the base frame; q of shape (..., nv), result (..., 4, 4), m."""
         lead, (rows,) = joint_rows(self._joint_names, {"q": q})
-        rotation, position, _ = _chain(*self._arrays, np.ascontiguousarray(rows))
+        rotation, position, _ = self._walked(rows)
         poses = np.zeros((len(rows), 4, 4))
         poses[:, :3, :3], poses[:, :3, 3], poses[:, 3, 3] = rotation, position, 1.0
         return poses.reshape(*lead, 4, 4)
@@ -72,7 +73,7 @@ class FrameKinematics:
             Shape (..., 6, nv).
         """
         lead, (rows,) = joint_rows(self._joint_names, {"q": q})
-        return _chain(*self._arrays, np.ascontiguousarray(rows))[2].reshape(*lead, 6, -1)
+        return self._walked(rows)[2].reshape(*lead, 6, -1)
 
     def joint_torques(self, q: Array, force: Array, moment: Array, local: bool = False) -> Array:
         """Joint torques Jᵀw of a wrench at the frame's origin.
@@ -86,10 +87,15 @@ class FrameKinematics:
         Returns:
             Shape (batch, nv), N·m (N).
         """
-        rotation, _, jacobian = _chain(*self._arrays, q)
+        rotation, _, jacobian = self._walked(q)
         if local:
             force, moment = (np.einsum("bij,bj->bi", rotation, x) for x in (force, moment))
         return np.asarray(np.einsum("bij,bi->bj", jacobian, np.concatenate([force, moment], axis=1)))
+
+    def _walked(self, q: Array) -> tuple[Array, Array, Array]:
+        """Rotation (batch, 3, 3), position (batch, 3) and Jacobian (batch, 6, nv) at q (batch, nv)."""
+        rotation, position, jacobian = _chain(*self._arrays, np.ascontiguousarray(self._coupling.joints(q)))
+        return rotation, position, self._coupling.forces(jacobian)
 
 
 @njit(cache=True, nogil=True)

@@ -15,6 +15,7 @@ from asmc_pin.arms.arm import Arm
 from asmc_pin.arms.arm_options import (
     GRAVITY,
     Armature,
+    ChainEnds,
     Gravity,
     Load,
     Lock,
@@ -23,14 +24,30 @@ from asmc_pin.arms.arm_options import (
     resolve_armature,
     resolve_locks,
 )
-from asmc_pin.arms.pinocchio_model import bare_model, carry, check_mass_matrix, last_link, set_limits
+from asmc_pin.arms.bodies.moving_bodies import MovingBody, check_bodies, moving_bodies
+from asmc_pin.arms.bodies.repairing import repaired
+from asmc_pin.arms.joint_choice import longest_chain, named_locks
+from asmc_pin.arms.mimicking import Followed, settle_mimics
+from asmc_pin.arms.pinocchio_model import (
+    bare_model,
+    carry,
+    check_against_mujoco,
+    check_mass_matrix,
+    last_link,
+    loads_in_vain,
+    set_limits,
+    whole_model,
+)
 from asmc_pin.arms.pinocchio_tree import tree_of
-from asmc_pin.arms.registry import ArmEntry, find, package_dirs
+from asmc_pin.arms.reading_options import Packages, Reading, XacroArguments, read_packages, read_xacro
+from asmc_pin.arms.registry import ArmEntry, find, package_shares
+from asmc_pin.arms.robot_files import RobotFiles
 from asmc_pin.arms.urdf.magnitudes import MOVING_JOINTS
 from asmc_pin.arms.urdf.urdf_document import read_document
 from asmc_pin.arms.urdf.urdf_reading import Joint, Robot, read_robot
 from asmc_pin.disk.reading import shown
 from asmc_pin.errors import ArmError
+from asmc_pin.words.interface import chain_words, lock_words
 from asmc_pin.words.text import printable
 
 
@@ -41,19 +58,31 @@ def load_arm(
     armature: Armature | None = None,
     lock: Lock | None = None,
     gravity: Gravity | None = None,
+    repair: bool = False,
+    chain: ChainEnds | None = None,
+    xacro: XacroArguments | None = None,
+    package: Packages | None = None,
 ) -> Arm:
     """Load an arm.
 
     Args:
-        source: Name of a known arm (`arm_names`), or path of a URDF. Meshes are not needed.
-        payload: What it carries: a mass in kg, as a point at the frame of the last moving link; or a `Payload`, or a
-            mapping with its fields, with centre, inertia and link.
+        source: Name of a known arm (`arm_names`), or of one of robot_descriptions where that is installed; or path of a
+            URDF or a xacro file. Meshes are not needed.
+        payload: What it carries: a mass in kg, as a point at the frame of the last moving link; a text ``2@tool0``, as
+            a point at that link's frame; or a `Payload`, or a mapping with its fields, with centre, inertia and link.
         armature: Reflected rotor inertia (rotor inertia times gear ratio squared), kg·m² (kg where prismatic), on the
             diagonal of M: one value, one per joint, or joint to value. Takes the place of what the arm's entry has.
-        lock: Joint to value, rad (m): the joint is rigid there. Added to the entry's default locks; None or ``"free"``
-            frees one.
+        lock: Joint to value, rad (m): the joint is rigid there. A pattern such as ``left_*`` stands for all joints that
+            it matches, an exact name goes before it; ``grippers`` for all joints of grippers. Added to the entry's
+            default locks; None or ``"free"`` frees one.
         gravity: Acceleration of gravity in the base frame, m/s²; default (0, 0, −9.81). (0, 0, 9.81) hangs the arm
             from a ceiling.
+        repair: Whether inertia tensors that no rigid body has are taken to the nearest that one has. `Arm.provisos`
+            says which, and by how much; `Arm.urdf_text` is the repaired URDF.
+        chain: Links (base, tip): only joints between them move; the others are locked where they are nearest to zero,
+            unless `lock` says otherwise.
+        xacro: Values of a xacro file's arguments.
+        package: ROS package to the folder where it lies, for a xacro file's ``$(find …)`` and for meshes.
 
     Returns:
         The arm. `Arm.warnings` says what was taken otherwise than written.
@@ -62,8 +91,21 @@ def load_arm(
         ArmError: Unknown name, or a URDF at fault.
         ParameterError: An option at fault.
     """
+    options = {"payload": payload, "armature": armature, "lock": lock, "gravity": gravity, "repair": repair}
+    return assemble(recipe_of(source, xacro, package, chain=chain, **options))
+
+
+def recipe_of(
+    source: str | Path, xacro: XacroArguments | None = None, package: Packages | None = None, **options: Any
+) -> Recipe:
+    """What `load_arm` makes an arm of, read and not judged; arguments as there."""
     path, entry = find(source)
-    return assemble(Recipe(read_robot(read_document(path)), entry, read_variant(payload, armature, lock, gravity)))
+    variant = read_variant(**options)
+    files = RobotFiles(path.resolve().parent, read_packages(package), package_shares())
+    arguments = {**(entry.xacro if entry else {}), **read_xacro(xacro)}
+    robot = read_robot(read_document(path, Reading(files, arguments)))
+    check_against_mujoco(robot)
+    return Recipe(robot, files, entry, variant)
 
 
 @dataclass(frozen=True)
@@ -72,11 +114,13 @@ class Recipe:
 
     Attributes:
         robot: The checked URDF.
+        files: Where its packages and meshes are looked for.
         entry: The registry's entry, where the arm was asked for by name.
         variant: The options.
     """
 
     robot: Robot
+    files: RobotFiles
     entry: ArmEntry | None
     variant: Variant
 
@@ -87,6 +131,44 @@ class Recipe:
     def vary(self, arm: Arm, changes: Mapping[str, Any]) -> Arm:
         """The arm with some options replaced, see `vary`."""
         return vary(arm, changes)
+
+
+@dataclass(frozen=True, eq=False)
+class Unjudged:
+    """A robot and its moving bodies, before anything is refused of them.
+
+    Attributes:
+        robot: The URDF, repaired where that was asked for.
+        model: Pinocchio's, locked joints merged; neither armature nor payload in it.
+        bodies: What moves, one a joint.
+        locked: Joints that were locked, and where.
+        followed: What follows what, with the limits and friction that this leaves.
+    """
+
+    robot: Robot
+    model: pin.Model
+    bodies: list[MovingBody]
+    locked: dict[str, float]
+    followed: Followed
+
+
+def put_together(recipe: Recipe) -> Unjudged:
+    """Merge what fixed and locked joints hold together.
+
+    Raises:
+        ArmError: Pinocchio refuses the file, or nothing moves.
+        ParameterError: A lock or a chain at fault.
+    """
+    robot, entry, variant = recipe.robot, recipe.entry, recipe.variant
+    asked = _asked_locks(robot, entry, variant)
+    locked = resolve_locks(robot, entry.locks if entry else {}, asked)
+    whole = whole_model(robot)
+    if variant.repair:
+        robot = repaired(robot, whole, locked)
+        whole = whole_model(robot)
+    model = bare_model(robot, whole, locked)
+    bodies = moving_bodies(robot, model)
+    return Unjudged(robot, model, bodies, locked, settle_mimics(robot, [body.joint for body in bodies], asked))
 
 
 def assemble(recipe: Recipe) -> Arm:
@@ -102,49 +184,58 @@ def assemble(recipe: Recipe) -> Arm:
         ArmError: The URDF and the options together make no arm.
         ParameterError: An option at fault.
     """
-    robot, entry, variant = recipe.robot, recipe.entry, recipe.variant
-    locked = resolve_locks(robot, entry.locks if entry else {}, variant.lock)
-    model = bare_model(robot, locked)
-    joints = [robot.joints[name] for name in model.names[1:]]
-    names = tuple(joint.name for joint in joints)
-    _check_mimics(robot, joints, variant.lock or {})
+    parts = put_together(recipe)
+    robot, model, bodies, locked, followed = parts.robot, parts.model, parts.bodies, parts.locked, parts.followed
+    entry, variant = recipe.entry, recipe.variant
+    joints = [body.joint for body in bodies]
+    driven, coupling = followed.driven, followed.coupling
+    names = tuple(joint.name for joint in driven)
     if len(joints) > MOVING_JOINTS:
         raise ArmError(
             robot.path,
-            f"{shown(robot.path)}: has {len(joints)} moving joints, and at most {MOVING_JOINTS} are computed with; "
-            "lock the rest",
+            f"{shown(robot.path)}: has {len(joints)} moving joints, and at most {MOVING_JOINTS} are computed with. "
+            f"Keep one arm of it, {chain_words(*longest_chain(robot))}, or lock some, by name or pattern as in "
+            f"{lock_words({'left_*': 0.0})}",
         )
-    model.armature = resolve_armature(names, entry.armature if entry else {}, variant.armature)
-    model.gravity.linear = np.array(GRAVITY) if variant.gravity is None else variant.gravity
+    check_bodies(robot, bodies, coupling)
+    every = (*names, *followed.mimics)
+    rotors = resolve_armature(names, _own_armature(recipe), variant.armature, tuple(followed.mimics))
+    model.armature = rotors[[every.index(joint.name) for joint in joints]]
+    own = robot.mjcf.gravity if robot.mjcf is not None else GRAVITY
+    model.gravity.linear = np.array(own) if variant.gravity is None else variant.gravity
     set_limits(model, joints)
-    payload = variant.payload
+    payload, vain = variant.payload, []
     if payload is not None:
         payload = replace(payload, link=payload.link or last_link(robot, model))
+        vain = loads_in_vain(robot, model, coupling, payload)
         carry(robot, model, payload)
-    check_mass_matrix(robot, model)
+    check_mass_matrix(robot, model, coupling)
+    tree = tree_of(model, coupling)
     return Arm(
-        name=entry.name if entry else printable(robot.path.stem),
+        name=entry.name if entry else printable(robot.name),
         joint_names=names,
-        joint_kinds=tuple(joint.kind for joint in joints),
-        continuous=_frozen([joint.continuous for joint in joints], np.bool_),
-        lower=_frozen([joint.lower for joint in joints]),
-        upper=_frozen([joint.upper for joint in joints]),
-        effort_limit=_frozen([joint.effort for joint in joints]),
-        velocity_limit=_frozen([joint.velocity for joint in joints]),
-        friction=_frozen([joint.friction for joint in joints]),
-        damping=_frozen([joint.damping for joint in joints]),
-        armature=_frozen(model.armature),
+        joint_kinds=tuple(joint.kind for joint in driven),
+        continuous=_frozen([joint.continuous for joint in driven], np.bool_),
+        lower=_frozen([joint.lower for joint in driven]),
+        upper=_frozen([joint.upper for joint in driven]),
+        effort_limit=_frozen([joint.effort for joint in driven]),
+        velocity_limit=_frozen([joint.velocity for joint in driven]),
+        friction=_frozen([joint.friction for joint in driven]),
+        damping=_frozen([joint.damping for joint in driven]),
+        armature=tree.armature,
         gravity_vector=_frozen(model.gravity.linear),
         link_names=tuple(frame.name for frame in model.frames if frame.type == pin.FrameType.BODY),
         locked=MappingProxyType(locked),
+        mimics=MappingProxyType(dict(followed.mimics)),
         payload=payload,
-        warnings=(*robot.warnings, *_warnings(robot, joints, locked)),
+        warnings=(*_warnings(robot, driven, bodies, locked), *followed.notes, *vain),
+        provisos=robot.provisos,
         source=robot.path,
         sha256=robot.sha256,
         urdf_text=robot.text,
-        package_dirs=package_dirs(robot.path),
+        files=recipe.files,
         model=model,
-        tree=tree_of(model),
+        tree=tree,
         made_of=recipe,
     )
 
@@ -160,14 +251,26 @@ def vary(arm: Arm, changes: Mapping[str, Any]) -> Arm:
         A new arm; a joint that the new locks hold loses its armature.
     """
     robot, entry, variant = arm.made_of.robot, arm.made_of.entry, arm.made_of.variant
-    asked = read_variant(*(changes.get(name) for name in ("payload", "armature", "lock", "gravity")))
+    asked = read_variant(**changes)
     # A payload stays on its link even where the new locks make another link the last one.
     new = replace(replace(variant, payload=arm.payload), **{name: getattr(asked, name) for name in changes})
     if "lock" in changes and "armature" not in changes and variant.armature is not None:
-        held = resolve_locks(robot, entry.locks if entry else {}, new.lock)
-        kept = zip(arm.joint_names, arm.armature.tolist(), strict=True)
-        new = replace(new, armature={name: value for name, value in kept if name not in held})
-    return assemble(Recipe(robot, entry, new))
+        held = resolve_locks(robot, entry.locks if entry else {}, _asked_locks(robot, entry, new))
+        asked_for = variant.armature
+        kept = asked_for if isinstance(asked_for, dict) else dict(zip(arm.joint_names, arm.armature, strict=True))
+        new = replace(new, armature={name: float(value) for name, value in kept.items() if name not in held})
+    return assemble(Recipe(robot, arm.files, entry, new))
+
+
+def _own_armature(recipe: Recipe) -> Mapping[str, float]:
+    """What the file or the registry's entry says; a URDF has no place for it."""
+    if recipe.robot.mjcf is not None:
+        return recipe.robot.mjcf.armature
+    return recipe.entry.armature if recipe.entry else {}
+
+
+def _asked_locks(robot: Robot, entry: ArmEntry | None, variant: Variant) -> Lock:
+    return named_locks(robot, entry.locks if entry else {}, variant.lock or {}, variant.chain)
 
 
 def _frozen(values: Any, dtype: Any = np.float64) -> Any:
@@ -176,19 +279,9 @@ def _frozen(values: Any, dtype: Any = np.float64) -> Any:
     return array
 
 
-def _check_mimics(robot: Robot, joints: Sequence[Joint], lock: Lock) -> None:
-    for joint in joints:
-        if joint.mimic is not None and joint.name not in lock:
-            master = joint.mimic.joint
-            raise ArmError(
-                robot.path,
-                f"{joint.where}: it mimics joint '{master}', and coupled joints are not supported. Lock '{master}' and "
-                f"'{joint.name}' follows: lock={{'{master}': 0.0}}. To treat them as two motors, free it: "
-                f"lock={{'{joint.name}': 'free'}}",
-            )
-
-
-def _warnings(robot: Robot, joints: Sequence[Joint], locked: Mapping[str, float]) -> list[str]:
+def _warnings(
+    robot: Robot, joints: Sequence[Joint], bodies: Sequence[MovingBody], locked: Mapping[str, float]
+) -> list[str]:
     found = [
         ("position limits", [j.name for j in joints if np.isinf(j.upper - j.lower) and not j.continuous], "no limit"),
         ("effort limits", [j.name for j in joints if np.isinf(j.effort)], "unlimited torque"),
@@ -199,6 +292,10 @@ def _warnings(robot: Robot, joints: Sequence[Joint], locked: Mapping[str, float]
         for what, names, meaning in found
         if names
     ]
+    for link in (link for body in bodies for link in body.links):
+        own = robot.inertials.get(link)
+        if own is not None and own.mass == 0.0 and np.any(own.written):
+            warnings.append(f"link '{link}' has a rotational inertia but no mass; both are taken as written")
     sliding = [joint.name for joint in joints if joint.kind == "prismatic"]
     if sliding:
         warnings.append(f"prismatic: {', '.join(sliding)}; m, m/s, N and kg there, not rad, rad/s, N·m and kg·m²")
@@ -217,6 +314,7 @@ def _warnings(robot: Robot, joints: Sequence[Joint], locked: Mapping[str, float]
             warnings.append(
                 f"joint '{name}' is locked at {value:g}, outside its limits {joint.lower:g} … {joint.upper:g}"
             )
-        if joint.mimic is not None and joint.mimic.joint not in locked:
+        follows = joint.mimic is not None and joint.mimic.multiplier != 0.0
+        if joint.mimic is not None and follows and joint.mimic.joint not in (*locked, *robot.fixed):
             warnings.append(f"joint '{name}' is locked although it mimics '{joint.mimic.joint}', which moves")
     return warnings

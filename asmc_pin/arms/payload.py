@@ -12,6 +12,7 @@ from asmc_pin._typing import Array
 from asmc_pin.arms.urdf.magnitudes import LENGTH
 from asmc_pin.arms.urdf.rigid_inertia import inertia_problem
 from asmc_pin.errors import ParameterError
+from asmc_pin.words.text import as_number
 
 _FIELDS = ("mass", "com", "inertia", "link")
 
@@ -58,12 +59,12 @@ class Payload:
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
-def as_payload(value: float | Payload | Mapping[str, Any] | None) -> Payload | None:
+def as_payload(value: float | str | Payload | Mapping[str, Any] | None) -> Payload | None:
     """Read a payload as a user writes it.
 
     Args:
-        value: A mass in kg (a point mass at the frame of the last moving link), a `Payload`, or a mapping with its
-            fields.
+        value: A mass in kg (a point mass at the frame of the last moving link), a text ``MASS@LINK`` (at that link's
+            frame), a `Payload`, or a mapping with its fields.
 
     Returns:
         The payload, None for none.
@@ -80,4 +81,14 @@ def as_payload(value: float | Payload | Mapping[str, Any] | None) -> Payload | N
         if "mass" not in value:
             raise ParameterError("payload.mass", "missing; give the payload's mass in kg")
         return Payload(**value)
-    return Payload(mass=value)
+    if isinstance(value, str) and "@" in value:
+        mass, _, link = value.partition("@")
+        return Payload(mass=_mass(mass), link=link.strip() or None)
+    return Payload(mass=value)  # type: ignore[arg-type]  # any other text is refused there
+
+
+def _mass(text: str) -> float:
+    try:
+        return as_number(text)
+    except ValueError:
+        raise ParameterError("payload.mass", f"'{text}' given, a number expected, kg: 2@tool0") from None

@@ -5,11 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from asmc_pin.rigid_body.coupling import Coupling
 from asmc_pin.rigid_body.tree import Tree
 
 
-def tree_of(model: pin.Model) -> Tree:
-    """Read the tree off a Pinocchio model whose joints are all unbounded revolute or prismatic, one coordinate each."""
+def tree_of(model: pin.Model, coupling: Coupling) -> Tree:
+    """Read the tree off a Pinocchio model whose joints are all unbounded revolute or prismatic.
+
+    Args:
+        model: With one coordinate for every joint, those that mimic others included.
+        coupling: How the joints follow the arm's coordinates.
+    """
     data = model.createData()
     pin.computeJointJacobians(model, data, np.zeros(model.nq))
     joints = range(1, model.njoints)
@@ -27,10 +33,10 @@ def tree_of(model: pin.Model) -> Tree:
         "mass": np.array([model.inertias[j].mass for j in joints]),
         "com": np.array([model.inertias[j].lever for j in joints]),
         "inertia": np.array([model.inertias[j].inertia for j in joints]),
-        "armature": np.array(model.armature),
+        "armature": coupling.forces(coupling.ratio * model.armature),
         "gravity": np.array(model.gravity.linear),
     }
     for name, value in arrays.items():
         arrays[name] = np.ascontiguousarray(value)
         arrays[name].setflags(write=False)
-    return Tree(**arrays)
+    return Tree(**arrays, coupling=coupling)

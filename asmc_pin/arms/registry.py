@@ -11,6 +11,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from asmc_pin.arms.named_descriptions import described, hint
 from asmc_pin.disk.reading import user_path
 from asmc_pin.disk.resources import shipped
 from asmc_pin.errors import ArmError
@@ -30,6 +31,7 @@ class ArmEntry:
         shipped: Whether the URDF travels with this package; else it is in example-robot-data.
         locks: Joints locked unless the caller frees them, rad (m where prismatic).
         armature: Reflected rotor inertia that belongs to the arm, by joint, kg·m² (a URDF has no place for it).
+        xacro: What its file is expanded with, where that is a xacro file.
     """
 
     name: str
@@ -40,6 +42,7 @@ class ArmEntry:
     shipped: bool = False
     locks: Mapping[str, float] = field(default_factory=dict)
     armature: Mapping[str, float] = field(default_factory=dict)
+    xacro: Mapping[str, str] = field(default_factory=dict)
 
     def path(self) -> Path:
         """The URDF file on this machine."""
@@ -157,21 +160,12 @@ def arm_names() -> list[str]:
     return list(ARMS)
 
 
-def package_dirs(path: Path) -> tuple[Path, ...]:
-    """Folders in which ``package://name/…`` of a URDF's meshes may be found.
-
-    Args:
-        path: The URDF file.
-
-    Returns:
-        Its own folder and all above it (a package's folder bears the package's name), then example-robot-data's.
-    """
-    above = tuple(path.resolve().parents)
+def package_shares() -> tuple[Path, ...]:
+    """Folders in which packages lie that a URDF's meshes may name: example-robot-data's, where it is installed."""
     try:
-        share = _share()
+        return (_share(),)
     except ArmError:
-        return above
-    return above if share in above else (*above, share)
+        return ()
 
 
 def nearest(name: str, known: Sequence[str], limit: int = 3) -> str:
@@ -187,7 +181,8 @@ def find(source: str | Path) -> tuple[Path, ArmEntry | None]:
     """The URDF that a name or a path stands for.
 
     Args:
-        source: Name of a known arm, or path of a URDF. A name wins over a file of that name; write ``./ur5`` for it.
+        source: Name of a known arm or of one of robot_descriptions, or path of a URDF or xacro file.
+            A known arm's name wins over a file of that name; write ``./ur5`` for it.
 
     Returns:
         The path, and the registry's entry where it was a name.
@@ -205,11 +200,16 @@ def find(source: str | Path) -> tuple[Path, ArmEntry | None]:
         raise ArmError(source, f"{text}: cannot be read ({error.strerror})") from None
     if there:
         return path, None
+    if isinstance(source, str) and (description := described(source)) is not None:
+        origin = "robot_descriptions"
+        file = str(description.path.resolve())
+        return Path(file), ArmEntry(source, origin, origin, "of its origin", file, xacro=description.xacro)
     if "/" in text or "\\" in text or path.suffix:
         raise ArmError(
             source, f"{text}: no such file. Give the path of a URDF, or the name of an arm ({', '.join(ARMS)})"
         )
     raise ArmError(
         source,
-        f"'{text}' is neither an arm's name nor a file; {nearest(text, arm_names())} (`asmc-pin arms` lists them)",
+        f"'{text}' is neither an arm's name nor a file; {nearest(text, arm_names())} (`asmc-pin arms` lists them)"
+        + hint(text),
     )

@@ -13,6 +13,7 @@ from asmc_pin.controllers import LawInfo, describe_parameter, parameters_of
 # isort: off
 from asmc_pin.baselines.computed_torque import ComputedTorque as ComputedTorque
 from asmc_pin.baselines.pd_gravity import PdGravity as PdGravity
+from asmc_pin.baselines.slotine_li import SlotineLi as SlotineLi
 # isort: on
 
 __all__ = [

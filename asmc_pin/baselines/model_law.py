@@ -75,8 +75,8 @@ class ModelLaw(ABC):
             )
         return self.arm if self.payload == "known" or self.arm.payload is None else self.arm.replace(payload=None)
 
-    def init(self, sample: Sample) -> None:
-        """There is no state; checks that the sample fits the arm.
+    def init(self, sample: Sample) -> Any:
+        """There is no state unless a law has one; checks that the sample fits the arm.
 
         Raises:
             ParameterError: the law has no arm, or the sample's fields are not all (batch, nv).
@@ -89,8 +89,8 @@ class ModelLaw(ABC):
             )
 
     @abstractmethod
-    def step(self, state: None, sample: Sample, setpoint: Setpoint) -> tuple[Array, None]:
-        """Torque to hold over the next period, (batch, nv), N·m, and no state."""
+    def step(self, state: Any, sample: Sample, setpoint: Setpoint) -> tuple[Array, Any]:
+        """Torque to hold over the next period, (batch, nv), N·m, and the next state, None where there is none."""
 
     def inertial_torque(self, q: Array, acceleration: Array) -> Array:
         """M̂(q) a, for arrays of shape (batch, nv)."""

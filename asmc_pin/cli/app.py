@@ -9,6 +9,14 @@ import typer
 
 from asmc_pin.cli.console import say
 
+MBAR, STUDIES, PICTURES, LISTS = PANELS = (
+    "May I use this M̄, and with which gains?",
+    "Which controller is better?",
+    "What does it look like?",
+    "What is there, and can it be believed?",
+)
+"""Under which question help lists a command, in this order."""
+
 app = typer.Typer(
     name="asmc-pin",
     help="Is this M̄ allowed, which controller is better, what does it look like: TDE control of an arm from its URDF.",

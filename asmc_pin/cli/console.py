@@ -42,11 +42,12 @@ def rich_console(*, stderr: bool = False) -> Console:
 
 
 @contextmanager
-def progress_bar(*, lines_every: float = math.inf) -> Iterator[Callable[[str, float], None]]:
+def progress_bar(*, lines_every: float = math.inf, of: str = "of the time") -> Iterator[Callable[[str, float], None]]:
     """A bar on standard error; where that is no terminal, a line now and then, or nothing.
 
     Args:
         lines_every: Least time between two such lines, s.
+        of: What the share in such a line is of.
 
     Yields:
         A function of what is being done, and which share of all is done, 0 to 1.
@@ -61,7 +62,7 @@ def progress_bar(*, lines_every: float = math.inf) -> Iterator[Callable[[str, fl
             nonlocal told
             if time.monotonic() - told >= lines_every:
                 told = time.monotonic()
-                note(f"{what} ({min(share, 1.0):.0%} of the time)")
+                note(f"{what} ({min(share, 1.0):.0%} {of})")
 
         yield line
         return

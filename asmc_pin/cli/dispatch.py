@@ -8,13 +8,17 @@ from importlib import import_module
 from pkgutil import iter_modules
 
 from asmc_pin.cli import commands
-from asmc_pin.cli.app import app
+from asmc_pin.cli.app import PANELS, app
 from asmc_pin.cli.console import note
 from asmc_pin.cli.interrupt import INTERRUPTED
+from asmc_pin.words.interface import speaking
 
-# Commands register themselves on import; help lists them in the order of their files' names.
+# Commands register themselves on import; help lists them panel by panel, one without a panel first.
 for _file in sorted(iter_modules(commands.__path__), key=lambda found: found.name):
     import_module(f"{commands.__name__}.{_file.name}")
+app.registered_commands.sort(
+    key=lambda each: PANELS.index(each.rich_help_panel) if each.rich_help_panel in PANELS else -1
+)
 
 
 def run(argv: Sequence[str] | None) -> int:
@@ -27,7 +31,8 @@ def run(argv: Sequence[str] | None) -> int:
         Its exit status; errors are raised.
     """
     warnings.showwarning = lambda message, *_args, **_kwargs: note(f"warning: {message}")
-    status = app(args=None if argv is None else list(argv), standalone_mode=False)
+    with speaking("command line"):
+        status = app(args=None if argv is None else list(argv), standalone_mode=False)
     if status == INTERRUPTED:  # typer makes of KeyboardInterrupt a status
         raise KeyboardInterrupt
     return status if isinstance(status, int) else 0

@@ -15,10 +15,13 @@ from typing import Any
 from asmc_pin.cli import interrupt
 from asmc_pin.cli.console import note
 from asmc_pin.cli.interrupt import INTERRUPTED, MESSAGE
-from asmc_pin.errors import AsmcPinError
+from asmc_pin.errors import AsmcPinError, ParameterError
 from asmc_pin.words.text import printable
 
 BAD_INPUT, FAULT = 2, 4
+
+_OF_THE_ARM = {"armature", "box", "chain", "gravity", "lock", "payload", "repair"}
+"""Parameters of functions that are options of commands under the same name."""
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -73,7 +76,9 @@ def final(status: int) -> int:
 def status_of(error: BaseException) -> int:
     """Say what an exception means, and give the status to end with."""
     if isinstance(error, AsmcPinError):
-        note(str(error))
+        # What an option says is told with the option's name as it was typed.
+        option = isinstance(error, ParameterError) and error.parameter in _OF_THE_ARM
+        note(f"--{error}" if option else str(error))
         return BAD_INPUT
     if isinstance(error, KeyboardInterrupt):
         note(MESSAGE)

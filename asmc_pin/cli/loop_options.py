@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import difflib
+import math
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
 from asmc_pin.cli import interrupt
 from asmc_pin.cli.console import note, progress_bar
+from asmc_pin.cli.options import NO_CERTIFICATE, assignments, per_joint
+from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Acceleration
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
+    from asmc_pin.controllers import TdeLaw
+    from asmc_pin.parameters import Parameter
     from asmc_pin.sampled import LoopProof, SampledLoop
 
 AccelerationOption: TypeAlias = Annotated[
@@ -38,8 +44,53 @@ def loop_proof_of(arm: Arm, loop: SampledLoop, certificate: str | None, **option
 
         proof = certify_loop(arm, loop, progress=tell, **options)
     if certificate is not None:
-        if proof.verdict != "undecided":
+        if arm.mimics:
+            note(f"{NO_CERTIFICATE}; none was written to {certificate}")
+        elif proof.verdict != "undecided":
             note(f"certificate: {proof.save(certificate)}")
         else:
             note(f"nothing is proven, so no certificate was written to {certificate}")
     return proof
+
+
+LawOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option("--law", metavar="NAME", help="A law that is linear near its set point, in the place of ppc."),
+]
+SetOption: TypeAlias = Annotated[
+    list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="A parameter of that law; repeat for more.")
+]
+
+
+def law_of(name: str | None, settings: list[str] | None, **shared: Any) -> TdeLaw | None:
+    """The law that --law and --set name, with the loop's own values; None for PPC."""
+    if name is None:
+        if settings:
+            raise ParameterError("--set", f"{settings[0]!r} given without --law; say which law it is for")
+        return None
+    from asmc_pin.controllers import CONTROLLERS
+    from asmc_pin.parameters import REQUIRED, parameters_of
+
+    if name not in CONTROLLERS:
+        near = difflib.get_close_matches(name, CONTROLLERS, n=1)
+        said = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(CONTROLLERS)}"
+        raise ParameterError("--law", f"there is no law '{name}': {said}")
+    given = assignments(settings, "--set", "KEY=VALUE, such as cutoff_hz=50")
+    known = parameters_of(CONTROLLERS[name])
+    for key in given:
+        if key not in known or key in shared:
+            own = [key for key in known if key not in shared]
+            raise ParameterError("--set", f"'{name}' has no parameter '{key}' of its own; it has {', '.join(own)}")
+    values = {key: _value(known[key], text, f"--set {key}") for key, text in given.items()}
+    absent = [key for key, item in known.items() if item.default is REQUIRED and key not in {*shared, *values}]
+    if absent:
+        raise ParameterError("--set", f"'{name}' needs {absent[0]}; give --set {absent[0]}=VALUE")
+    return CONTROLLERS[name](**shared, **values)
+
+
+def _value(item: Parameter[Any, Any], text: str, option: str) -> Any:
+    from asmc_pin.parameters import Choice
+
+    if text == "inf":
+        return math.inf
+    return text if isinstance(item, Choice) else per_joint(text, option)

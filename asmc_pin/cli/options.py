@@ -7,20 +7,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import Annotated, TypeAlias
 
 import typer
 
-from asmc_pin.cli.console import announce_compiling, note
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Condition
 from asmc_pin.words.text import as_number
 
-if TYPE_CHECKING:
-    from asmc_pin.arms import Arm
-
 ArmArgument: TypeAlias = Annotated[
-    str, typer.Argument(metavar="ARM", help="A name (see 'asmc-pin arms') or a URDF path.")
+    str, typer.Argument(metavar="ARM", help="A name (see 'asmc-pin arms'), or the path of a URDF or xacro file.")
 ]
 MbarOption: TypeAlias = Annotated[
     str,
@@ -33,32 +29,6 @@ BoxOption: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(
         "--box", metavar="JOINT=LO:HI", help="Range of a joint, rad or m; the rest keep the arm's own. Repeatable."
-    ),
-]
-PayloadOption: TypeAlias = Annotated[
-    str | None,
-    typer.Option("--payload", metavar="KG|LO:HI", help="Point mass at the last moving link's frame, or a range of it."),
-]
-ArmatureOption: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        "--armature",
-        metavar="A1,LO:HI,…",
-        help="Reflected rotor inertia per joint, kg·m², values or ranges; or one for all.",
-    ),
-]
-LockOption: TypeAlias = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--lock",
-        metavar="JOINT=ANGLE",
-        help="Lock a joint at an angle, rad or m; 'free' frees a gripper's. Repeatable.",
-    ),
-]
-GravityOption: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        "--gravity", metavar="X,Y,Z", help="Gravity in the base frame, m/s²; 0,0,9.81 hangs it from a ceiling."
     ),
 ]
 JsonOption: TypeAlias = Annotated[
@@ -81,6 +51,8 @@ CertificateOption: TypeAlias = Annotated[
 ReportOption: TypeAlias = Annotated[
     str | None, typer.Option("--report", metavar="FILE", help="Write one page for a reviewer, .html or .md.")
 ]
+
+NO_CERTIFICATE = "no certificate has joints that mimic others, for 'asmc-pin check' does not know them"
 
 Range: TypeAlias = tuple[float, float]
 
@@ -152,63 +124,3 @@ def parse_bounds(items: Iterable[str] | None) -> dict[str, tuple[float | None, f
         low, high = (number(end, "--bounds") if end.strip() else None for end in ends)
         bounds[joint] = (low, high)
     return bounds or None
-
-
-def parse_payload(text: str | None) -> float | Range | None:
-    """``--payload`` as a mass or a range of masses, kg."""
-    return None if text is None else value_or_range(text, "--payload")
-
-
-def parse_armature(text: str | None) -> list[float | Range] | float | Range | None:
-    """``--armature`` as per-joint values or ranges, or one for all joints, kg·m²."""
-    if text is None:
-        return None
-    parts = [value_or_range(part, "--armature") for part in text.split(",")]
-    return parts[0] if len(parts) == 1 else parts
-
-
-def open_domain(
-    source: str,
-    *,
-    payload: str | None = None,
-    armature: str | None = None,
-    lock: list[str] | None = None,
-    gravity: str | None = None,
-) -> tuple[Arm, dict[str, Any]]:
-    """Load an arm as the command line describes it, its warnings on standard error.
-
-    Args:
-        source: ARM.
-        payload: A mass or a range of it.
-        armature: Values or ranges.
-        lock: ``joint=angle`` items; several angles, separated by commas, are choices.
-        gravity: ``x,y,z``.
-
-    Returns:
-        The arm with all that has one value, and the ranges and choices as keywords of `verify` and its fellows.
-    """
-    from asmc_pin.arms.registry import find
-
-    single: dict[str, Any] = {}
-    ranges: dict[str, Any] = {}
-    for name, value in (("payload", parse_payload(payload)), ("armature", parse_armature(armature))):
-        if value is not None:
-            spread = isinstance(value, tuple) or (isinstance(value, list) and any(isinstance(x, tuple) for x in value))
-            (ranges if spread else single)[name] = value
-    given = assignments(lock, "--lock", "JOINT=ANGLE or JOINT=free")
-    locks = {joint: numbers(value, "--lock") for joint, value in given.items() if value != "free"}
-    held: dict[str, Any] = {joint: angles[0] for joint, angles in locks.items() if len(angles) == 1}
-    held |= {joint: None for joint, value in given.items() if value == "free"}
-    choices = {joint: angles for joint, angles in locks.items() if len(angles) > 1}
-    if choices:
-        ranges["lock"] = choices
-    if gravity is not None:
-        single["gravity"] = numbers(gravity, "--gravity")
-    find(source)  # a name that is none is told before anything heavy is loaded
-    announce_compiling()
-    from asmc_pin.arms import load_arm
-
-    arm = load_arm(source, lock=held or None, **single)
-    for warning in arm.warnings:
-        note(f"warning: {warning}")
-    return arm, ranges

@@ -8,19 +8,21 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.hypotheses import Condition, Hypotheses, Where
+from asmc_pin.condition.hypotheses import Hypotheses
+from asmc_pin.condition.judged import Judged
 from asmc_pin.condition.premises import worst_keys
-from asmc_pin.words.shown import Cells, Shown
+from asmc_pin.words.shown import Cells
 from asmc_pin.words.text import printable, rounded_down, rounded_up
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
+    from asmc_pin.condition.search.what_would_help import WhatWouldHelp
 
 Verdict = Literal["violated", "holds", "unrefuted", "undecided"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class ConditionReport(Shown):
+class ConditionReport(Judged):
     """Whether M̄ satisfies a condition on an arm, and what that rests on.
 
     Attributes:
@@ -46,7 +48,9 @@ class ConditionReport(Shown):
         tde_error: Along recorded data with torque: the TDE error that M̄ would have made; see `tde_error`.
         scale_proven: The condition is proven for M̄ times this; None unless asked for.
         scale_refuted: A counter-example was found for M̄ times this; None unless asked for.
+        reason: Why the proof stopped where it did; empty where none was asked for.
         method: How `lower` and `upper` were obtained, one sentence each.
+        remedy: Of a violation that a search found: the joint to blame, and what multiple of M̄ would do.
     """
 
     hypotheses: Hypotheses
@@ -70,37 +74,9 @@ class ConditionReport(Shown):
     tde_error: Array | None = field(default=None, repr=False)
     scale_proven: float | None = None
     scale_refuted: float | None = None
+    reason: str = ""
     method: tuple[str, ...] = ()
-
-    @property
-    def arm(self) -> str:
-        """Name of the arm."""
-        return self.hypotheses.arm
-
-    @property
-    def joints(self) -> tuple[str, ...]:
-        """Its moving joints, base first."""
-        return self.hypotheses.joints
-
-    @property
-    def mbar(self) -> Array:
-        """Diagonal of M̄, shape (nv,), kg·m²."""
-        return np.array(self.hypotheses.mbar)
-
-    @property
-    def condition(self) -> Condition:
-        """``lemma1`` or ``weighted``."""
-        return self.hypotheses.condition
-
-    @property
-    def formula(self) -> str:
-        """The condition as an inequality."""
-        return self.hypotheses.formula
-
-    @property
-    def scope(self) -> Where:
-        """Over what: ``box``, ``motion`` or ``tube``."""
-        return self.hypotheses.where
+    remedy: WhatWouldHelp | None = None
 
     @property
     def box(self) -> tuple[Array, Array]:
@@ -126,7 +102,9 @@ class ConditionReport(Shown):
             f"{largest}; smallest {self.smallest:.6g}",
             *scale_lines(self.scale_proven, self.scale_refuted),
             *bound_lines(self.upper),
+            *stop_lines(self.reason),
             *([f"worst case: {self.worst_case}"] if self.worst_case else []),
+            *(self.remedy.lines() if self.remedy is not None else []),
         ]
 
     def table(self) -> Cells:
@@ -137,10 +115,6 @@ class ConditionReport(Shown):
             [printable(name), f"{m:.6g}", f"{armature:.6g}", f"{q:+.6f}", "" if slides else f"{np.degrees(q):+.2f}"]
             for name, slides, m, armature, q in zip(*figures, strict=True)
         ]
-
-    def remarks(self) -> list[str]:
-        """What a reader has to know."""
-        return [f"note: {line}" for line in self.notes]
 
     def to_json_dict(self) -> dict[str, Any]:
         """The object that ``asmc-pin verify --json`` prints; undefined figures are None."""
@@ -158,7 +132,7 @@ class ConditionReport(Shown):
         if self.worst_case:
             content["worst_case"] = self.worst_case  # without it, `worst_q` would be half a counter-example
         if self.kind == "certified":
-            content |= {"scale_proven": self.scale_proven, "scale_refuted": self.scale_refuted}
+            content |= {"scale_proven": self.scale_proven, "scale_refuted": self.scale_refuted, "reason": self.reason}
         return content
 
 
@@ -180,3 +154,8 @@ def bound_lines(upper: float | None) -> list[str]:
         return []
     bound = f"at most {rounded_up(upper)}" if upper < 1.0 else "below 1"
     return [f"the norm is proven to be {bound} over the box"]
+
+
+def stop_lines(reason: str) -> list[str]:
+    """Why a proof went no further."""
+    return [f"the proof stopped because: {reason}"] if reason else []

@@ -12,7 +12,9 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
 from asmc_pin.words.choices import Condition as Condition
-from asmc_pin.words.text import exact, printable, quoted
+from asmc_pin.words.provisos import Proviso as Proviso
+from asmc_pin.words.provisos import provisos_json
+from asmc_pin.words.text import exact, printable, quoted, visible
 
 Interval: TypeAlias = tuple[float, float]
 
@@ -20,6 +22,9 @@ NAMES: dict[Condition, str] = {"lemma1": "Lemma 1", "weighted": "The weighted co
 
 Where: TypeAlias = Literal["box", "motion", "tube", "boxes"]
 
+
+_FEW_LOCKS = 4
+"""So many locked joints stand in a headline one by one."""
 
 WHOLE_TURN = 2.0 * math.pi * (1.0 - 1e-12)
 """From this range on, rad, the ends of a joint's range are the same configuration, up to rounding."""
@@ -40,7 +45,7 @@ class Carried:
     Attributes:
         mass: kg; a value, or (lightest, heaviest).
         link: The link that carries it.
-        com: Centre of mass in the link's frame, m, the same over a range.
+        com: Centre of mass in the link's frame, m; each coordinate a value, the same over all masses, or a range.
         inertia: ixx, ixy, ixz, iyy, iyz, izz about that centre, kg·m²; over a range that of the heaviest, while the
             lightest has `inertia_lightest` and what is between lies on the line between them.
         inertia_lightest: None without a range.
@@ -48,7 +53,7 @@ class Carried:
 
     mass: float | Interval
     link: str
-    com: tuple[float, ...]
+    com: tuple[float | Interval, ...]
     inertia: tuple[float, ...]
     inertia_lightest: tuple[float, ...] | None = None
 
@@ -57,7 +62,7 @@ class Carried:
         content: dict[str, Any] = {
             "mass": _plain(self.mass),
             "link": printable(self.link),
-            "com": list(self.com),
+            "com": [_plain(x) for x in self.com],
         }
         if any(self.inertia) or any(self.inertia_lightest or ()):
             content["inertia"] = list(self.inertia)
@@ -67,8 +72,10 @@ class Carried:
 
     def words(self) -> str:
         """The same for a person to read."""
-        at = ", ".join(f"{exact(x)}" for x in self.com)
+        at = ", ".join(_words(x) for x in self.com)
         said = f"{_words(self.mass)} kg at ({at}) m on {quoted(self.link)}"
+        if any(isinstance(x, tuple) for x in self.com):
+            said += " (of each range of its place the ends and the middle, not between)"
         if any(self.inertia) or any(self.inertia_lightest or ()):
             said += f", inertia about its centre ({', '.join(f'{exact(x)}' for x in self.inertia)}) kg·m²"
             if self.inertia_lightest is not None:
@@ -97,6 +104,9 @@ class Premises:
             else is known.
         parts: How many such boxes.
         boxes: These, where it is more than one and they are known: lower and upper ends, each one per joint.
+        provisos: In what the arm is not as its file says.
+        mimics: Joints that follow one of `joints`: name to (joint, multiplier, offset).
+        elsewhere: Joints after a whole turn of which what follows them is elsewhere.
     """
 
     arm: str
@@ -111,17 +121,22 @@ class Premises:
     parts: int = 1
     together: bool = False
     boxes: tuple[tuple[tuple[float, ...], tuple[float, ...]], ...] = field(default=(), repr=False)
+    provisos: tuple[Proviso, ...] = ()
+    mimics: Mapping[str, tuple[str, float, float]] = field(default_factory=dict)
+    elsewhere: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:
         """The arm's name with all that is supposed about it, so that no headline is a theorem about the bare arm."""
-        supposed = []
+        supposed = list(dict.fromkeys(proviso.kind for proviso in self.provisos if proviso.headline))
         if any(self.armature):
             supposed.append(f"armature {self._armature()}")
         if self.payload is not None:
             supposed.append(f"payload {_words(self.payload.mass)} kg")
         if self.locked:
-            supposed.append(f"{self._locks()} locked")
+            # The rows have them all; a headline with forty names says nothing any more.
+            few = len(self.locked) <= _FEW_LOCKS
+            supposed.append(f"{self._locks()} locked" if few else f"{len(self.locked)} joints locked")
         return quoted(self.arm) + (f" with {', '.join(supposed)}" if supposed else "")
 
     def to_json_dict(self) -> dict[str, Any]:
@@ -134,8 +149,15 @@ class Premises:
             "payload": None if self.payload is None else self.payload.to_json_dict(),
             "locked": {printable(name): _plain(value) for name, value in self.locked.items()},
         }
+        if self.provisos:
+            content["provisos"] = provisos_json(self.provisos)
         if self.together:
             content["locked_together"] = True
+        if self.mimics:
+            content["mimics"] = {
+                printable(name): {"joint": printable(joint), "multiplier": multiplier, "offset": offset}
+                for name, (joint, multiplier, offset) in self.mimics.items()
+            }
         box = {printable(name): list(ends) for name, ends in self.box.items()}
         content |= {"box": box, "scope": self.where}
         if self.boxes:
@@ -159,6 +181,8 @@ class Premises:
             ("Armature", self._armature()),
             ("Payload", "none" if self.payload is None else self.payload.words()),
             ("Locked joints", self._locks("; ") or "none"),
+            *((proviso.kind[:1].upper() + proviso.kind[1:], visible(proviso.text)) for proviso in self.provisos),
+            *([("Mimicking joints", self._mimics())] if self.mimics else []),
             (over, self._box()),
             *([("Whole turns", self._whole_turns())] if self.where == "box" and self.turning else []),
         ]
@@ -167,11 +191,19 @@ class Premises:
     def turning(self) -> tuple[str, ...]:
         """Joints whose range is a whole turn: continuous, of no declared limits, or of a turn and more."""
         joints = zip(self.box.items(), self.slides, strict=True)
-        return tuple(name for (name, (lo, hi)), slides in joints if not slides and hi - lo >= WHOLE_TURN)
+        wide = tuple(name for (name, (lo, hi)), slides in joints if not slides and hi - lo >= WHOLE_TURN)
+        return tuple(name for name in wide if name not in self.elsewhere)
 
     def lines(self) -> list[str]:
         """The same as lines of text."""
         return [f"{term}: {text}" for term, text in self.rows()]
+
+    def _mimics(self) -> str:
+        said = [
+            f"{quoted(name)} = {exact(multiplier)} · {quoted(joint)}" + (f" + {exact(offset)}" if offset else "")
+            for name, (joint, multiplier, offset) in self.mimics.items()
+        ]
+        return "; ".join(said)
 
     def _armature(self) -> str:
         if not any(self.armature):

@@ -58,6 +58,11 @@ def premises_of(
         where=where,
         parts=len(distinct),
         boxes=distinct if len(distinct) > 1 else (),
+        provisos=first.provisos,
+        mimics={name: (m.joint, m.multiplier, m.offset) for name, m in first.mimics.items()},
+        elsewhere=tuple(name for name, same in zip(first.joint_names, first.returns, strict=True) if not same)
+        if first.mimics
+        else (),
     )
 
 
@@ -137,7 +142,7 @@ def worst_keys(about: Premises, arm: Arm, armature: Array) -> dict[str, Any]:
 
 
 def _carried(payloads: Sequence[Payload | None]) -> Carried | None:
-    """The payloads of all cases: none, one, or the two ends of a range, the lightest first."""
+    """The payloads of all cases: none, one, or those of a range, the first the lightest and the last the heaviest."""
     ends = list(dict.fromkeys(payloads))
     heaviest = ends[-1]
     if heaviest is None or (len(ends) == 1 and heaviest.mass == 0.0):
@@ -145,12 +150,15 @@ def _carried(payloads: Sequence[Payload | None]) -> Carried | None:
     if len(ends) == 1:
         return _one(heaviest)
     lightest = ends[0]
+    least = 0.0 if lightest is None else lightest.mass
+    places = [load.com for load in ends if load is not None and load.mass > 0.0]
+    axes = [(min(axis), max(axis)) for axis in zip(*places, strict=True)]
     return Carried(
-        mass=(0.0 if lightest is None else lightest.mass, heaviest.mass),
+        mass=(least, heaviest.mass) if least < heaviest.mass else heaviest.mass,
         link=str(heaviest.link),
-        com=heaviest.com,
+        com=tuple(lo if lo == hi else (lo, hi) for lo, hi in axes) or heaviest.com,
         inertia=heaviest.inertia,
-        inertia_lightest=(0.0,) * 6 if lightest is None else lightest.inertia,
+        inertia_lightest=((0.0,) * 6 if lightest is None else lightest.inertia) if least < heaviest.mass else None,
     )
 
 

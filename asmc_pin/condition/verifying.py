@@ -20,14 +20,14 @@ from asmc_pin.condition.domain.along_motion import (
     worst_in_tube,
 )
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases
-from asmc_pin.condition.domain.joint_box import BoxLike
+from asmc_pin.condition.domain.joint_box import BoxLike, idle_note
 from asmc_pin.condition.domain.recorded_motion import Recording, read_recording, tde_error
 from asmc_pin.condition.hypotheses import Where
 from asmc_pin.condition.norm.two_conditions import Condition, check_condition, check_mbar
 from asmc_pin.condition.premises import hypotheses_of
 from asmc_pin.condition.search.samples import NORM
+from asmc_pin.condition.search.what_would_help import what_would_help
 from asmc_pin.condition.search.worst_case import SAMPLES, STARTS, maximise
-from asmc_pin.words.text import printable
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -131,6 +131,11 @@ def verify(
         if isinstance(along, Recording) and along.torque is not None:
             error = tde_error(first.arm, values, along, period=period)
     worst = max(outcome.seen, key=lambda item: item.norm)
+    remedy = None
+    if worst.norm >= 1.0:
+        at = worst.case, worst.q, worst.armature
+        over_box = outcome.where == "box"
+        remedy = what_would_help(all_cases, condition, values, *at, over_box=over_box, seed=seed)
     return ConditionReport(
         hypotheses=hypotheses_of(all_cases, values, condition, where=outcome.where, boxes=outcome.boxes),
         verdict="violated" if worst.norm >= 1.0 else "unrefuted",
@@ -152,6 +157,7 @@ def verify(
         worst_time=worst.when,
         tde_error=error,
         method=(outcome.method,),
+        remedy=remedy,
     )
 
 
@@ -232,12 +238,11 @@ def _in_tube(
 
 def _notes(all_cases: Sequence[Case], condition: Condition, norm: float, where: Where) -> list[str]:
     domain = all_cases[0].domain
-    arm, box = domain.arm, domain.box
+    arm = domain.arm
     notes = []
-    idle = [f"'{printable(name)}'" for name, idles in zip(arm.joint_names, box.idle, strict=True) if idles]
+    idle = idle_note(arm, domain.box)
     if where != "motion" and idle:
-        names = ", ".join(idle)
-        notes.append(f"M(q) does not depend on {names}, which carries the whole arm: held at the middle of its range")
+        notes.append(f"{idle}; held at the middle of the range")
     if condition == "lemma1" and len(set(arm.joint_kinds)) > 1:
         notes.append(
             "revolute and prismatic joints: the 2-norm adds rad to m, and its value depends on the units; "

@@ -28,6 +28,15 @@ from asmc_pin.controllers.ppc import Ppc as Ppc
 from asmc_pin.controllers.bsmc import Bsmc as Bsmc
 from asmc_pin.controllers.plestan2010 import Plestan2010 as Plestan2010
 from asmc_pin.controllers.baek2016 import Baek2016 as Baek2016
+from asmc_pin.controllers.switching.implicit import Implicit as Implicit
+from asmc_pin.controllers.linear.dob import Dob as Dob
+from asmc_pin.controllers.linear.ivf import Ivf as Ivf
+from asmc_pin.controllers.linear.pid import Pid as Pid
+from asmc_pin.controllers.switching.ism import Ism as Ism
+from asmc_pin.controllers.switching.sta import Sta as Sta
+from asmc_pin.controllers.switching.ntsm import Ntsm as Ntsm
+from asmc_pin.controllers.switching.barrier import Barrier as Barrier
+from asmc_pin.controllers.linear.adrc import Adrc as Adrc
 # isort: on
 
 __all__ = [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -46,6 +47,10 @@ class Bsmc(TdeLaw):
     title: ClassVar[str] = "boundary-layer sliding mode control (BSMC)"
     equation: ClassVar[str] = "τ = PPC + M̄ K sat(s/Φ)"
     reference: ClassVar[str] = "Baek, Jin, Han (2016), reference [43] there"
+    oracle: ClassVar[str] = "inside the layer it is PPC with β + K/Φ: a drifting load leaves s = L ḣ/(m̄(β + K/Φ))"
+    claim: ClassVar[str] = "Inside the boundary layer the torque is continuous; outside |s| falls where K > |N|."
+    fails: ClassVar[str] = "K/Φ is a gain: too much of it is unstable, which `asmc-pin stability --law bsmc` tells."
+    typical: ClassVar[Mapping[str, float | str]] = {"gain": 5.0, "boundary": 0.1}
 
     gain: PerJoint = PerJoint("K", "rad/s²", at_least=0.0)
     boundary: PerJoint = PerJoint("Φ", "rad/s", above=0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -10,14 +11,15 @@ from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
-from asmc_pin.controllers.one_trial.compiled_tde import MBAR, OWN, OWN_MEMORY, S, pole_placement, with_sign
+from asmc_pin.controllers.one_trial.compiled_tde import MBAR, OWN, OWN_MEMORY, S, pole_placement
 from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
 from asmc_pin.controllers.protocol import Sample
+from asmc_pin.controllers.switching.backward_euler import band_slopes, share_scalar, switched, switching_choice
 from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, signed
 from asmc_pin.numerics.short_loops import short_loops
-from asmc_pin.parameters import Scalar, ScalarOrWord
+from asmc_pin.parameters import Choice, Scalar, ScalarOrWord
 
-RATE, EPSILON, EPSILON_PER_GAIN, FLOOR, RISE = range(OWN, OWN + 5)
+RATE, EPSILON, EPSILON_PER_GAIN, FLOOR, RISE, EXPLICIT, OF_S, OF_RATE = range(OWN, OWN + 8)
 GAIN = OWN_MEMORY
 
 
@@ -44,7 +46,8 @@ def _step(tick: Tick, law: Array, memory: Array, work: Array, command: Array) ->
     gain = adapt(law, work[S], memory[GAIN, 0])
     for i in range(command.size):
         memory[GAIN, i] = gain
-        command[i] += law[MBAR, i] * with_sign(gain, work[S, i])
+        inside = law[OF_S, i] * work[S, i] + law[OF_RATE, i] * (tick.v_ref[i] - tick.v[i])
+        command[i] += law[MBAR, i] * switched(law[EXPLICIT, 0], gain, work[S, i], inside)
 
 
 @law("plestan2010")
@@ -61,6 +64,8 @@ class Plestan2010(TdeLaw):
             sampled law whose plant is nominally inverted, as TDE does: 4 k̂_{k−1} L. By how much k̂ switches s within a
             period it can then tell from s itself.
         floor: μ, the least k̂ and its value at the start, above 0, rad/s²; at the floor k̂ grows at μ per second.
+        switching: ``"explicit"``, k̂ sgn(s); or ``"implicit"``, the same by backward Euler, which does not chatter.
+        share: λ of the implicit form, above 0, at most 1.
     """
 
     title: ClassVar[str] = "existing adaptive sliding mode control"
@@ -68,17 +73,26 @@ class Plestan2010(TdeLaw):
         "τ = PPC + M̄ k̂ sgn(s);  dk̂/dt = k̄ ‖s‖₂ sgn(‖s‖₂ − ε) if k̂ > μ, else μ;  ε a number, or 4 k̂ L"
     )
     reference: ClassVar[str] = "Plestan, Shtessel, Bregeault, Poznyak (2010)"
+    oracle: ClassVar[str] = "implicit: s_{k+1} = −g N_k inside the band; explicit: k̂ tick by tick as printed"
+    claim: ClassVar[str] = "s comes into ‖s‖ < ε in finite time with a gain that can fall again."
+    fails: ClassVar[str] = (
+        "With a constant ε below 4 k̂ L the switching itself keeps s outside, and k̂ grows; a drive at its limit "
+        "makes k̂ grow too."
+    )
+    typical: ClassVar[Mapping[str, float | str]] = {"rate": 50.0, "epsilon": "4KL", "floor": 0.1}
 
     rate: Scalar = Scalar("k̄", "1/s²", at_least=0.0)
     epsilon: ScalarOrWord = ScalarOrWord("ε, or the authors' 4 k̂ L", "rad/s", words=("4KL",), above=0.0)
     floor: Scalar = Scalar("μ", "rad/s²", above=0.0)
+    switching: Choice = switching_choice()
+    share: Scalar = share_scalar()
 
     def init(self, sample: Sample) -> AdaptiveState:
         """State before the first tick, from the sample of t = 0; k̂₀ = μ."""
         return AdaptiveState(self.start(sample), np.full(sample.q.shape, self.floor))
 
     def own_rows(self) -> tuple[ArrayLike, ...]:
-        """L k̄; ε, and ε per unit of k̂, of which one is 0; μ; L μ."""
+        """L k̄; ε, and ε per unit of k̂, of which one is 0; μ; L μ; whether explicit; λ b/g per s and per ė."""
         relative = isinstance(self.epsilon, str)
         return (
             self.period * self.rate,
@@ -86,10 +100,12 @@ class Plestan2010(TdeLaw):
             4.0 * self.period if relative else 0.0,
             self.floor,
             self.period * self.floor,
+            self.switching == "explicit",
+            *band_slopes(self, self.share),
         )
 
     trial_step: ClassVar[TrialStep | None] = _step
 
-    def switching_term(self, s: Array, gain: Array) -> Array:
-        """The term w = k̂ sgn(s) at the ticks of a run; see `TdeLaw.switching_term`."""
-        return signed(gain, s)
+    def switching_term(self, s: Array, gain: Array) -> Array | None:
+        """The term w = k̂ sgn(s) at the ticks of a run, None if it is implicit; see `TdeLaw.switching_term`."""
+        return signed(gain, s) if self.switching == "explicit" else None

@@ -22,6 +22,12 @@ class Ppc(TdeLaw):
     title: ClassVar[str] = "pole placement with time-delay estimation (PPC)"
     equation: ClassVar[str] = "τ = τ(t−L) − M̄ q̈(t−L) + M̄ (q̈_d + K_s ė + β s)"
     reference: ClassVar[str] = "Baek, Jin, Han (2016), eq. (7)"
+    oracle: ClassVar[str] = "N_k = (1 − a)N_{k−1} + (1 − a)(u_{k−1} − u_k) − Δh/m on one joint"
+    claim: ClassVar[str] = "The TDE error stays bounded where ‖I − M⁻¹M̄‖ < 1 (Lemma 1)."
+    fails: ClassVar[str] = (
+        "Where a is small against the gains, sampled; where velocity is a difference and its torque is not the "
+        "mean of two; under a drifting load it keeps the error L ḣ/(m̄βk_s)."
+    )
 
     trial_step: ClassVar[TrialStep | None] = plain_step
 

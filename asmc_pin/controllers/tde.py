@@ -12,6 +12,7 @@ In the letters of Baek, Jin and Han (2016), equations by their numbers there:
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any, ClassVar, NamedTuple, Self
@@ -108,6 +109,16 @@ class TdeLaw(CompiledLaw):
     title: ClassVar[str] = ""
     equation: ClassVar[str] = ""
     reference: ClassVar[str] = ""
+    oracle: ClassVar[str] = ""
+    """What it does exactly, or in which order."""
+    claim: ClassVar[str] = ""
+    """What its source claims."""
+    fails: ClassVar[str] = ""
+    """When that does not hold."""
+    typical: ClassVar[Mapping[str, float | str]] = {}
+    """Values of its own parameters to begin with: they hold two_link, ur5 and panda at 1 kHz, K_s = β = 8."""
+    estimates: ClassVar[bool] = True
+    """Whether its load estimate is Γ̂ of (6), low-passed with `estimate_weight` or not; the monitors' N needs it."""
     theorem1: ClassVar[bool] = False
     """Whether Lemma 2, (16) and Theorem 1 are proved for it: it adapts by (11), with φ, α, ε and a threshold."""
 
@@ -149,6 +160,14 @@ class TdeLaw(CompiledLaw):
         """Whether the mean of the last two torques goes with the estimate of q̈(t−L), and not the last one."""
         return self.pairing == "mean" or (self.pairing == "matched" and self.acceleration == "position")
 
+    @property
+    def estimate_weight(self) -> Any:
+        """Weight c of the newest Γ̂ in a low-pass on the whole estimate, above 0 and at most 1; 1 without one.
+
+        The condition on M̄ is then one on cM̄.
+        """
+        return 1.0
+
     def switching_term(self, s: Array, gain: Array) -> Array | None:
         """w, what the law adds to PPC inside the bracket that M̄ multiplies: τ = PPC + M̄ w; of one class alone.
 
@@ -174,6 +193,10 @@ class TdeLaw(CompiledLaw):
         """
         self._check_joints(nv)
         return self if self.nv is not None else replace(self, mbar=np.full(nv, self.mbar))
+
+    def with_loop(self, mbar: Array, ks: Array, beta: Array, period: float) -> Self:
+        """The same law in another loop: M̄ and K_s of shape (nv,), β (nv,) with equal values, period in s."""
+        return replace(self, mbar=mbar, ks=ks, beta=float(beta[0]), period=period)
 
     def init(self, sample: Sample) -> Any:
         """State before the first tick, from the sample of t = 0; a law with a state of its own overrides it."""

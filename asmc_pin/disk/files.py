@@ -18,6 +18,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import BinaryIO
 
 from asmc_pin.errors import ResultError
 
@@ -68,6 +69,32 @@ def write_whole(path: str | Path, content: str | bytes) -> None:
 
 
 def _write_beside(target: Path, data: bytes) -> None:
+    with _beside_file(target) as file:
+        file.write(data)
+
+
+@contextmanager
+def whole_file(path: Path) -> Iterator[BinaryIO]:
+    """A file to write piece by piece, which takes its place when the block ends without an exception.
+
+    For what is larger than memory ought to be; see `write_whole`.
+
+    Yields:
+        An open file beside it.
+
+    Raises:
+        ResultError: It cannot be written, in one message.
+    """
+    try:
+        remove_leftovers(path)
+        with _beside_file(path) as file:
+            yield file
+    except OSError as error:
+        raise cannot_write(path, error) from error
+
+
+@contextmanager
+def _beside_file(target: Path) -> Iterator[BinaryIO]:
     made = _beside(target, "new")
     _live[made] = None
     try:
@@ -76,7 +103,7 @@ def _write_beside(target: Path, data: bytes) -> None:
             _lock(file.fileno())
             if target.exists():
                 made.chmod(stat.S_IMODE(target.stat().st_mode))
-            file.write(data)
+            yield file
             file.flush()
             os.fsync(file.fileno())
         os.replace(made, target)

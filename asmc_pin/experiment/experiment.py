@@ -21,9 +21,12 @@ from asmc_pin.experiment.law_lookup import is_own
 from asmc_pin.experiment.plant_parts import LISTS, TABLES, plant_parts
 from asmc_pin.experiment.toml_keys import ExperimentTables
 from asmc_pin.experiment.toml_text import parse_toml, write_toml
+from asmc_pin.experiment.variation.axes import Variation
+from asmc_pin.experiment.variation.sweep_table import sweep_problems, variation_of
 from asmc_pin.metrics import MetricSettings
 from asmc_pin.plant import Plant
 from asmc_pin.references import OnAnArm, Reference
+from asmc_pin.words.interface import speaking
 from asmc_pin.words.shown import Cells, Shown
 
 
@@ -67,6 +70,18 @@ class Experiment(Shown, ExperimentTables):
         """
         content = copy.deepcopy(dict(data))
         folder = folder or Path.cwd()
+        tables, problems = cls._judged(content, folder, import_laws)
+        if not problems and "sweep" in content:
+            problems = sweep_problems(content, lambda varied: cls._judged(varied, folder, import_laws)[1])
+        experiment_checks.fail(problems, origin)
+        assert tables is not None
+        tables._data, tables._folder, tables._origin, tables._text = content, folder, origin, text
+        tables._import_laws = import_laws
+        return tables
+
+    @classmethod
+    def _judged(cls, content: dict[str, Any], folder: Path, import_laws: bool) -> tuple[Self | None, list[Mistake]]:
+        """The tables as far as pydantic takes them, and every mistake but those of ``[sweep]``."""
         problems: list[Mistake] = []
         tables = None
         try:
@@ -77,16 +92,22 @@ class Experiment(Shown, ExperimentTables):
         problems += plant_parts(content.get("plant"))[1]
         problems += experiment_checks.delay_problems(content)
         problems += experiment_checks.controller_problems(content, folder, import_laws)[1]
-        experiment_checks.fail(problems, origin)
-        assert tables is not None
-        tables._data, tables._folder, tables._origin, tables._text = content, folder, origin, text
-        tables._import_laws = import_laws
-        return tables
+        return tables, problems
+
+    @property
+    def variation(self) -> Variation:
+        """What varies from trial to trial, as ``[sweep]`` says."""
+        return variation_of(self._data)
 
     @property
     def folder(self) -> Path:
         """Where relative paths and laws of one's own are looked for."""
         return self._folder
+
+    @property
+    def origin(self) -> str:
+        """What errors call it."""
+        return self._origin
 
     def replace(self, **changes: Any) -> Self:
         """The experiment with other values for keys at the top of the file, checked anew.
@@ -110,7 +131,7 @@ class Experiment(Shown, ExperimentTables):
 
     def lines(self) -> list[str]:
         """What it is about: arm, motion, timing."""
-        carried = self.arm.model_dump(exclude={"source"}, exclude_none=True)
+        carried = self.arm.model_dump(exclude={"source"}, exclude_none=True, exclude_defaults=True)
         options = "".join(f", {key} {value}" for key, value in carried.items())
         return [
             f"{self.name}: {len(self.controllers)} controllers on {self.arm.source}{options}",
@@ -144,8 +165,11 @@ class Experiment(Shown, ExperimentTables):
             if source not in arm_names() and beside.is_file():
                 source = str(beside)
             options = self.arm.model_dump(exclude={"source"}, exclude_none=True)
+            if "package" in options:
+                options["package"] = {name: self._folder / where for name, where in options["package"].items()}
             try:
-                self._arm = load_arm(source, **options)
+                with speaking("experiment"):
+                    self._arm = load_arm(source, **options)
             except ParameterError as error:
                 text = str(error).removeprefix(f"{error.parameter}: ")
                 experiment_checks.fail([Mistake(f"arm.{error.parameter}", text)], self._origin)
@@ -215,6 +239,12 @@ class Experiment(Shown, ExperimentTables):
         experiment_checks.fail(problems, self._origin)
         return made
 
+    def plant_options(self) -> dict[str, Any]:
+        """What ``[plant]`` gives to the plant, as keywords of `asmc_pin.Plant`; where it starts is not among them."""
+        elsewhere = {"q0", "v0", *TABLES, *LISTS}
+        options = self.plant.model_dump(exclude=elsewhere, exclude_unset=True, exclude_none=True)
+        return options | plant_parts(self._data.get("plant"))[0]
+
     def build_plant(self) -> Plant:
         """The simulated arm.
 
@@ -226,11 +256,9 @@ class Experiment(Shown, ExperimentTables):
         if self.plant.q0 is not None:
             q0 = np.broadcast_to(self.plant.q0, (arm.nv,))
             experiment_checks.fail(experiment_checks.angle_problems("plant.q0", arm, q0), self._origin)
-        elsewhere = {"q0", "v0", *TABLES, *LISTS}
-        options = self.plant.model_dump(exclude=elsewhere, exclude_unset=True, exclude_none=True)
-        options |= plant_parts(self._data.get("plant"))[0]
+        options = self.plant_options()
         try:
-            return Plant(arm, seed=self.seed, **options)
+            return Plant(arm, seed=self.seed, first_trial=self.trial, **options)
         except ParameterError as error:
             text = str(error).removeprefix(f"{error.parameter}: ")
             raise ExperimentError(f"plant.{error.parameter}", text) from error
@@ -241,4 +269,5 @@ class Experiment(Shown, ExperimentTables):
             cutoff_hz=self.metrics.cutoff_hz,
             settling_band=np.asarray(self.metrics.settling_band),
             effort_limit=np.asarray(self.build_plant().effort_limit),
+            torque_rate_limit=np.asarray(self.metrics.torque_rate_limit),
         )

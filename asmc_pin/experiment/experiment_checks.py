@@ -245,7 +245,7 @@ def _where_it_stands(problem: Mistake, path: str, table: Mapping[str, Any], defa
 def plant_size_problems(tables: ExperimentTables, arm: Arm) -> list[Mistake]:
     """Lists of ``[plant]`` and ``[metrics]`` whose length is not the number of the arm's joints."""
     plant = tables.plant
-    given = [("metrics.settling_band", tables.metrics.settling_band)]
+    given = [(f"metrics.{name}", getattr(tables.metrics, name)) for name in ("settling_band", "torque_rate_limit")]
     given += [(f"plant.{name}", getattr(plant, name)) for name in ("effort_limit", "q0", "v0")]
     for key, cls in TABLES.items():
         signature, table = Signature(cls), getattr(plant, key) or {}

@@ -28,7 +28,7 @@ def experiment_schema() -> dict[str, Any]:
     arm, payload = (schema["$defs"][name] for name in ("ArmTable", "PayloadTable"))
     properties["arm"] = _described(properties["arm"], {"anyOf": [{"type": "string", "minLength": 1}, _ref("ArmTable")]})
     mass = {"type": "number", "minimum": 0}
-    short = {"anyOf": [mass, _ref("PayloadTable")]}
+    short = {"anyOf": [mass, {"type": "string", "pattern": "^[^@]+@.+$"}, _ref("PayloadTable")]}
     arm["properties"]["payload"] = _described(arm["properties"]["payload"], short)
     for table in (arm, payload, *(schema["$defs"][name] for name in ("PlantTable", "MetricsTable"))):
         for item in table["properties"].values():

@@ -26,6 +26,8 @@ from asmc_pin.words.units import LONGEST_PERIOD, check_period
 
 MOST_CONTROLLERS = 100
 
+MOST_TRIALS = 10_000
+
 MOST_TICKS = 10_000_000
 """Longest run in control ticks: almost three hours at 1 ms, some gigabytes of trajectories for each controller."""
 
@@ -89,6 +91,15 @@ class PayloadTable(TomlTable):
 
 
 def _payload(value: Any) -> Any:
+    if isinstance(value, str):
+        from asmc_pin.arms.payload import as_payload
+
+        try:
+            load = as_payload(value)
+        except ParameterError as error:
+            raise ValueError(f"must be a mass, a text like '2@tool0' or a table, got {value!r} ({error})") from None
+        assert load is not None
+        return {"mass": load.mass, "link": load.link}
     return {"mass": value} if _is_number(value) else value
 
 
@@ -124,10 +135,13 @@ _ARMATURE_SCHEMA = {
 class ArmTable(TomlTable):
     """The arm: a name from ``asmc-pin arms``, or a URDF."""
 
-    source: str = Field(min_length=1, description="name of an arm, or path of a URDF (relative to this file)")
+    source: str = Field(
+        min_length=1, description="name of an arm, or path of a URDF or xacro file (relative to this file)"
+    )
     payload: Annotated[PayloadTable | None, BeforeValidator(_payload)] = Field(
         default=None,
-        description="kg, as a point mass at the last moving link; or a table `mass`, `com`, `inertia`, `link`",
+        description='kg, as a point mass at the last moving link; or `"2@tool0"`, at that link; or a table `mass`, '
+        "`com`, `inertia`, `link`",
     )
     armature: Annotated[
         float | list[float] | dict[str, float] | None, BeforeValidator(_armature), WithJsonSchema(_ARMATURE_SCHEMA)
@@ -136,13 +150,29 @@ class ArmTable(TomlTable):
         description="reflected rotor inertia, kg·m² (kg): per joint, or joint = value; else the arm's own",
     )
     lock: Annotated[dict[str, Any] | None, BeforeValidator(_lock), WithJsonSchema(_LOCK_SCHEMA)] = Field(
-        default=None, description='joints to fix: name = angle, rad (m); "free" frees one that is locked by default'
+        default=None,
+        description='joints to fix: name or pattern = angle, rad (m); "free" frees one that is locked by default',
+    )
+    chain: list[str] | None = Field(
+        default=None,
+        min_length=2,
+        max_length=2,
+        description="links, base and tip: only joints between them move, the others are locked near zero",
     )
     gravity: list[float] | None = Field(
         default=None,
         min_length=3,
         max_length=3,
         description="gravity in the base frame, m/s²; [0, 0, -9.81] if omitted",
+    )
+    repair: bool = Field(
+        default=False, description="take inertia tensors that no rigid body has to the nearest possible ones"
+    )
+    xacro: dict[str, str | int | float | bool] | None = Field(
+        default=None, description="arguments of a xacro file: name = value"
+    )
+    package: dict[str, str] | None = Field(
+        default=None, description="ROS packages: name = folder where it lies (relative to this file)"
     )
 
 
@@ -185,9 +215,47 @@ class MetricsTable(TomlTable):
     settling_band: PositivePerJoint = Field(
         default=0.002, description="band of |e| in which a joint counts as settled, rad (m)"
     )
+    torque_rate_limit: LimitPerJoint = Field(
+        default=1000.0,
+        description="how fast a robot lets its torque change, N·m/s (N/s), inf for no limit; ticks beyond are counted",
+    )
     tool: str | None = Field(
         default=None, description="link or frame whose error is given in mm and rad; none if omitted"
     )
+
+
+class EnsembleTable(TomlTable):
+    """How sure a figure is: trials that differ by less than anyone could set or measure."""
+
+    trials: int = Field(
+        default=16, ge=1, le=MOST_TRIALS, description="trials of each controller, run in lockstep; 1 for a single run"
+    )
+    q0_deviation: float = Field(
+        default=1e-6, ge=0.0, description="standard deviation of q(0) in all trials but the first, rad (m)"
+    )
+
+
+_NUMBER = {"type": "number"}
+_CENTRE_AND_WIDTH = {"anyOf": [_NUMBER, {"type": "array", "items": _NUMBER, "minItems": 1, "maxItems": 2}]}
+_TWO = {"type": "array", "items": _NUMBER, "minItems": 2, "maxItems": 2}
+_BOUNDS = {"at_least": _NUMBER, "at_most": _NUMBER, "each": {"type": "boolean"}}
+
+
+def _varies(way: str, told: dict[str, Any], beside: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "object", "properties": {way: told, **beside}, "required": [way], "additionalProperties": False}
+
+
+_WAYS: list[dict[str, Any]] = [
+    _varies("uniform", _TWO, _BOUNDS),
+    _varies("normal", _CENTRE_AND_WIDTH, _BOUNDS),
+    _varies("lognormal", _CENTRE_AND_WIDTH, _BOUNDS),
+    _varies("values", {"type": "array", "minItems": 1}, {"with": {"type": "string"}}),
+    _varies("scan", _TWO, {"until": {"type": "object", "additionalProperties": _NUMBER}}),
+]
+SWEEP_SCHEMA = {
+    "type": "object",
+    "additionalProperties": {"anyOf": [*_WAYS, _varies("factor", {"anyOf": _WAYS}, {})]},
+}
 
 
 def _printable(value: dict[str, Any]) -> dict[str, Any]:
@@ -229,9 +297,16 @@ class ExperimentTables(TomlTable):
         ge=0,
         description="seed of everything random: noise and scatter of a trial follow from it and the trial's number",
     )
+    trial: int = Field(
+        default=0, ge=0, description="number of the trial that is run: with the seed it decides noise and scatter"
+    )
     plant: PlantTable = Field(default_factory=PlantTable, description="the simulated world")
+    ensemble: EnsembleTable = Field(default_factory=EnsembleTable, description="how sure a figure is")
     metrics: MetricsTable = Field(default_factory=MetricsTable, description="settings of the metrics")
     reference: dict[str, Any] = Field(description="the motion to follow: kind, and the parameters of that kind")
+    sweep: Annotated[dict[str, Any], WithJsonSchema(SWEEP_SCHEMA)] = Field(
+        default={}, description="what varies from trial to trial in a sweep, by the path of its key: see docs/sweeps.md"
+    )
     defaults: dict[str, Any] = Field(default={}, description="parameters shared by the controllers")
     controllers: Annotated[dict[str, dict[str, Any]], AfterValidator(_printable)] = Field(
         min_length=1, description="[controllers.LABEL]: law, and its parameters"
@@ -239,8 +314,10 @@ class ExperimentTables(TomlTable):
 
     @field_validator("duration")
     @classmethod
-    def _fits_memory(cls, duration: float, info: ValidationInfo) -> float:
+    def _fits_period_and_memory(cls, duration: float, info: ValidationInfo) -> float:
         period = info.data.get("period")
+        if period is not None and round(duration / period) < 1:
+            raise ValueError(f"{duration:g} s is less than one control period of {period:g} s; make it longer")
         if period is not None and duration > MOST_TICKS * period:
             raise ValueError(
                 f"{duration:g} s are {duration / period:.3g} control periods of {period:g} s, and a run keeps all of "

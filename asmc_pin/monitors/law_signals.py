@@ -102,7 +102,7 @@ def _view(rollout: Rollout, law: Any, mbar: Array, q: Array, v: Array, slope: Ar
     s = rate + getattr(law, "ks", np.nan) * (rollout.q_ref - q)
     if getattr(law, "averages_torque", False):
         before = 0.5 * (before + np.concatenate([before[:, :1], before[:, :-1]], axis=1))
-    estimate = estimated_acceleration(q, slope, rollout.period, law) - before / mbar
+    estimate = _low_passed(estimated_acceleration(q, slope, rollout.period, law) - before / mbar, law)
     switching = switching_term(law, s, rollout.gain)
     wanted = None if switching is None else rollout.a_ref + law.ks * rate + law.beta * s + switching
     return _View(s, estimate, switching, wanted)
@@ -129,6 +129,16 @@ def estimated_acceleration(q: Array, v: Array, period: float, law: Any) -> Array
     if weight == 1.0:
         return estimate
     filtered: Array = lfilter([weight], [1.0, weight - 1.0], estimate, axis=1)
+    return filtered
+
+
+def _low_passed(estimate: Array, law: Any) -> Array:
+    """Γ̂ through the law's low-pass on the whole of it, which starts from the first one."""
+    weight = getattr(law, "estimate_weight", 1.0)
+    if weight == 1.0:
+        return estimate
+    first = (1.0 - weight) * estimate[:, :1]
+    filtered: Array = lfilter([weight], [1.0, weight - 1.0], estimate, axis=1, zi=first)[0]
     return filtered
 
 

@@ -96,7 +96,7 @@ def monitor(
     """
     truth = Truth(rollout, arm, trials, effort_limit)
     batch, ticks, nv = rollout.q.shape
-    mbar = _mbar(law, nv)
+    mbar = _mbar(law, nv) if getattr(law, "estimates", True) else None
     out: dict[str, Any] = {name: np.full((batch, ticks), np.nan) for name in _PER_TICK}
     out |= {name: np.full((batch, ticks, nv), np.nan) for name in ("error", "gain_bound")}
     out |= {name: np.full(batch, np.nan) for name in ("s_bound", "t_eps")}
@@ -135,13 +135,22 @@ def _trial(
     """The claims on one trial; its arrays go to `out`."""
     if mbar is None:
         reason = f"{type(law).__name__} has no M̄, so there is no Γ of (3)"
-        return [not_applicable(key, trial, reason) for key in STATEMENTS]
-    found = contraction_of(out["signals"], rollout, truth, mbar, trial)
+        if getattr(law, "estimates", True):
+            return [not_applicable(key, trial, reason) for key in STATEMENTS]
+        reason = f"{type(law).__name__} has an estimate of its own in the place of (6), so there is no N"
+        return [
+            not_applicable(key, trial, _other_law(law) if item.adaptive else reason) for key, item in STATEMENTS.items()
+        ]
+    weight = float(getattr(law, "estimate_weight", 1.0))
+    found = contraction_of(out["signals"], rollout, truth, mbar, trial, weight)
     for name in ("norm", "growth", "carried"):
         out[name][trial] = getattr(found, name)
     claims = [claim_verdicts.lemma1(trial, rollout.time, found), claim_verdicts.contraction(trial, rollout.time, found)]
     if not getattr(law, "theorem1", False):
-        reason = f"it is proved for the adaptive law (11) of baek2016, not for {type(law).__name__}"
+        reason = _other_law(law)
+        return claims + [not_applicable(key, trial, reason) for key, item in STATEMENTS.items() if item.adaptive]
+    if getattr(law, "switching", "explicit") != "explicit":
+        reason = "it is proved for k̂ sgn(s), not for its implicit form, which is less than k̂ inside its band"
         return claims + [not_applicable(key, trial, reason) for key, item in STATEMENTS.items() if item.adaptive]
     proof = lyapunov_of(out["signals"], rollout.gain, law, out["star"], trial)
     out["lyapunov"][trial] = proof.value
@@ -151,3 +160,7 @@ def _trial(
     if inside.any():
         out["t_eps"][trial] = rollout.time[np.argmax(inside)]
     return claims + claim_verdicts.about_baek2016(trial, rollout.time, rollout.gain[trial], proof, law)
+
+
+def _other_law(law: Any) -> str:
+    return f"it is proved for the adaptive law (11) of baek2016, not for {type(law).__name__}"

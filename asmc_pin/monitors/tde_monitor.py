@@ -45,13 +45,19 @@ class Contraction:
     without: Mapping[str, Array]
 
 
-def contraction_of(signals: Signals, rollout: Rollout, truth: Truth, mbar: Array, trial: int) -> Contraction:
-    """Follow N of one trial from tick to tick; M̄'s diagonal has shape (nv,)."""
+def contraction_of(
+    signals: Signals, rollout: Rollout, truth: Truth, mbar: Array, trial: int, weight: float = 1.0
+) -> Contraction:
+    """Follow N of one trial from tick to tick; M̄'s diagonal has shape (nv,).
+
+    With a low-pass of weight c on the whole estimate the old error is carried by I − cM⁻¹M̄, and the condition is on
+    cM̄; what comes in does so through I − M⁻¹M̄ as ever.
+    """
     q, friction, error = rollout.q[trial], rollout.friction_torque[trial], signals.error[trial]
     alive = np.isfinite(q).all(axis=1)
     mass = truth.mass(trial, q)
     norm = np.full(len(q), np.nan)
-    norm[alive] = lemma1_norm(mass[alive], mbar)
+    norm[alive] = lemma1_norm(mass[alive], weight * mbar)
 
     def accelerated(torque: Array) -> Array:
         """M_k⁻¹ x_k."""
@@ -69,7 +75,8 @@ def contraction_of(signals: Signals, rollout: Rollout, truth: Truth, mbar: Array
     without = {name: _size(error - pushed(_previous(x) - x)) - old for name, x in terms.items()}
     without[FRICTION] = _size(error - accelerated(friction - _previous(friction))) - old
     carried = np.full(len(q), np.nan)
-    np.divide(_size(pushed(_previous(error))), old, out=carried, where=old > 0.0)
+    kept = _previous(error)
+    np.divide(_size(kept - accelerated(weight * mbar * kept)), old, out=carried, where=old > 0.0)
     return Contraction(norm, size, size - old, carried, without)
 
 

@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 
 from asmc_pin._typing import Array
 from asmc_pin.pages.curves import running_max, spread, thinned
-from asmc_pin.pages.figure_style import COLUMN, GREY, PAGE, paper_style, save
+from asmc_pin.pages.figure_style import BAND, COLUMN, GREY, PAGE, paper_style, save, shade, shade_sizes
 from asmc_pin.pages.summary_tables import short_names
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.words.media import for_figure
@@ -33,7 +33,8 @@ class Drawing(NamedTuple):
 
     Attributes:
         caption: What it shows.
-        draw: Draws it from one trial and the torque limits, shape (nv,), N·m.
+        draw: Draws it from one trial, with the bands of all where there are such, and the torque limits, shape (nv,),
+            N·m.
     """
 
     caption: str
@@ -59,7 +60,7 @@ def draw_figures(dataset: xr.Dataset, folder: Path, effort_limit: Array | None =
     """Write every figure as PDF and PNG.
 
     Args:
-        dataset: Trajectories; the first trial is shown.
+        dataset: Trajectories; the first trial is shown, and the band of all trials.
         folder: Where to; made if need be.
         effort_limit: Torque limits, shape (nv,), N·m; infinite where there is none.
 
@@ -89,7 +90,7 @@ def reference_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     return figure
 
 
-@_figure("Tracking error of every joint.")
+@_figure(f"Tracking error of every joint. {BAND}")
 def errors_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     """Tracking error of every joint, all controllers; its size on a logarithmic axis where they are far apart."""
     figure, axes = _joint_grid(dataset)
@@ -101,8 +102,10 @@ def errors_figure(dataset: xr.Dataset, limit: Array) -> Figure:
         for _, color, k in _controllers(dataset):
             if logarithmic:
                 axis.plot(*running_max(time, factor * np.abs(error[k, :, i])), color=color)
+                shade_sizes(axis, dataset.isel(controller=k), i, factor, color)
             else:
                 axis.plot(*thinned(time, factor * error[k, :, i]), color=color)
+                shade(axis, dataset.isel(controller=k), "error", i, factor, color)
         if logarithmic:
             axis.set_yscale("log")
             low, high = axis.get_ylim()
@@ -112,7 +115,7 @@ def errors_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     return figure
 
 
-@_figure("Switching gains and sliding variables.")
+@_figure(f"Switching gains and sliding variables. {BAND}")
 def gains_and_s_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     """Adaptive gain and sliding variable of every joint; gains of the laws that have one."""
     count = dataset.sizes["joint"]
@@ -129,8 +132,10 @@ def gains_and_s_figure(dataset: xr.Dataset, limit: Array) -> Figure:
         metre = "m" if dataset.joint_kind.to_numpy()[i] == "prismatic" else "rad"
         for _, color, k in _controllers(dataset):
             axes[i, -1].plot(*thinned(time, s[k, :, i]), color=color, linewidth=0.6)
+            shade(axes[i, -1], dataset.isel(controller=k), "s", i, 1.0, color)
             if k in adaptive:
                 axes[i, 0].plot(*thinned(time, gains[k, :, i]), color=color)
+                shade(axes[i, 0], dataset.isel(controller=k), "gain", i, 1.0, color)
         axes[i, -1].set_ylabel(rf"$s_{{{i + 1}}}$ [{metre}/s]")
         if adaptive:
             axes[i, 0].set_ylabel(rf"$\hat{{k}}_{{{i + 1}}}$ [{metre}/s$^2$]")
@@ -143,7 +148,7 @@ def gains_and_s_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     return figure
 
 
-@_figure("Torque of every joint, after the drive's limits.")
+@_figure(f"Torque of every joint, after the drive's limits. {BAND}")
 def torques_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     """Torque of every joint (rows) under every controller (columns), with the limit where it is near."""
     count, controllers = dataset.sizes["joint"], list(_controllers(dataset))
@@ -156,6 +161,7 @@ def torques_figure(dataset: xr.Dataset, limit: Array) -> Figure:
         for label, color, k in controllers:
             axis = axes[i, k]
             axis.plot(*thinned(time[:-1], torque[k, :-1, i], points=600), color=color, linewidth=0.5)
+            shade(axis, dataset.isel(controller=k), "torque", i, 1.0, color)
             if largest > 0.6 * limit[i]:
                 for side in (-limit[i], limit[i]):
                     axis.axhline(side, color=GREY, linestyle="--", linewidth=0.6)

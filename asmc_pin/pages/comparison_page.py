@@ -7,13 +7,14 @@ the result; the motion and its error over time are interactive. (plotly's bundle
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from string import Template
 
 import numpy as np
+import pandas as pd
 
 from asmc_pin.arms import Arm
 from asmc_pin.condition.hypotheses import Premises
@@ -24,21 +25,13 @@ from asmc_pin.errors import ResultError
 from asmc_pin.metrics import METRICS, MOVED
 from asmc_pin.pages.comparison_figures import FIGURES
 from asmc_pin.pages.html_fragments import definition_list, definitions, details, table_html
-from asmc_pin.pages.summary_tables import (
-    NOTHING,
-    UNCONVERGED,
-    Table,
-    figures_of_all,
-    metric_table,
-    moves,
-    number,
-    overview,
-    per_joint,
-    tool_table,
-)
+from asmc_pin.pages.summary_tables import figure_of_all, metric_table, moves, overview, per_joint, tool_table
+from asmc_pin.pages.tables.pair_tables import PAIRS_READ, figures_read, pair_table
+from asmc_pin.pages.tables.text_table import NOTHING, UNCONVERGED, Table, number
 from asmc_pin.pages.theorem_figures import CAPTION as THEOREMS_CAPTION
 from asmc_pin.pages.theorem_figures import NAME as THEOREMS
 from asmc_pin.pages.theorem_section import theorem_section
+from asmc_pin.results.ensemble_summary import ends, failed_words, failures
 from asmc_pin.results.result_folder import Result
 from asmc_pin.viewer import controller_colors, player_scripts, replay_fragment, static
 from asmc_pin.viewer.player_page import POLICY
@@ -91,8 +84,8 @@ def report_text(result: Result) -> str:
 def _head(result: Result) -> Iterator[str]:
     experiment = result.experiment
     about, arm = _about(result)
-    trials = result.dataset.sizes["trial"]
-    several = f", {trials} trials" if trials > 1 else ""
+    trials = result.summary.trial.nunique()
+    several = f", {trials} trials of each" if trials > 1 else ""
     yield f"<h1>{for_html(experiment.name)}</h1>"
     yield (
         f'<p class="lead">{for_html(", ".join(_label_list(result)))} on {for_html(about.title)}, {arm.nv} joints, '
@@ -116,24 +109,20 @@ def _head(result: Result) -> Iterator[str]:
 def _cards(result: Result) -> Iterator[str]:
     """One card for each controller: did it hold, and its RMS error at the worst joint."""
     dataset, colours = result.dataset, controller_colors(_label_list(result))
-    first = result.summary[result.summary.trial == 0]
-    labels, units, errors = per_joint(first, "rms_error")
+    summary, trials = result.summary, result.summary.trial.nunique()
+    _, units, errors = per_joint(summary, "rms_error")
     unit = "deg" if "deg" in units else units[0]
     alike = np.array(units) == unit
-    told = figures_of_all(errors[:, alike], moves(first, "rms_error", errors)[:, alike], np.max)
-    worst = dict(zip(labels, told, strict=True))
+    worst = figure_of_all(errors[:, :, alike], moves(summary, "rms_error")[:, alike], np.max, METRICS["rms_error"].best)
+    failed, ended = failures(summary), ends(summary)
     for k, label in enumerate(_label_list(result)):
-        states = [str(state) for state in dataset.status.to_numpy()[k]]
-        ends = dataset.end_time.to_numpy()[k]
-        over = [i for i, state in enumerate(states) if state != "ok"]
-        if not over:
-            state = "ran to the end" if len(states) == 1 else f"all {len(states)} trials ran to the end"
-        elif len(states) == 1:
-            state = f"{states[0]} at {ends[0]:.3g} s"
-        else:
-            state = f"{len(over)} of {len(states)} trials {states[over[0]]}"
-        value, _, unsure = worst[label].partition(" (")
+        over = bool(failed[k].any())
+        ran = "ran to the end" if trials == 1 else f"all {trials} trials ran to the end"
+        state = failed_words(failed[k], ended[k]) if over else ran
+        value, _, unsure = worst.texts[k].partition(" (")
         figure = value if value == NOTHING else f"{value} {unit}{' (' + unsure if unsure else ''}"
+        span = worst.ranges[k]
+        figure += f'<span class="range">{for_html(" … ".join(span))}</span>' if span else ""
         yield (
             f'<li style="--colour:{colours[label]}"><b>{for_html(label)}</b>'
             f'<span class="law">{for_html(str(dataset.law.to_numpy()[k]))}</span>'
@@ -156,9 +145,9 @@ def _tables(result: Result) -> Iterator[str]:
     refined = f" {UNCONVERGED}" if any(str(name).startswith(MOVED) for name in summary) else ""
     yield (
         '<p class="soft">Worst error: the largest of all joints over the run. Chatter: torque '
-        "variation per second, summed over the joints. Marked: the best figure of a column. Dash: not defined."
-        f"{for_html(refined)}</p>"
+        f"variation per second, summed over the joints. {for_html(figures_read(summary))}{for_html(refined)}</p>"
     )
+    yield from _pairs(summary, html)
     tool = tool_table(summary)
     if tool is not None:
         yield f"<h3>{for_html(tool.title)}</h3>"
@@ -174,6 +163,14 @@ def _tables(result: Result) -> Iterator[str]:
         )
         parts.append(html(table))
     yield details("All metrics, joint by joint", f'<div class="body">{"".join(parts)}</div>')
+
+
+def _pairs(summary: pd.DataFrame, html: Callable[[Table], str]) -> Iterator[str]:
+    """How sure the order of every two controllers is."""
+    table = pair_table(summary)
+    if table is not None:
+        text = f'<p class="soft">{for_html(PAIRS_READ)}</p>'
+        yield details(table.title, f'<div class="body">{text}{html(table)}</div>')
 
 
 def _figures(result: Result) -> Iterator[str]:
@@ -237,6 +234,7 @@ def _provenance(result: Result) -> Iterator[str]:
         [
             ("URDF", arm.source.name),
             ("SHA-256 of the URDF", str(result.provenance.get("arm", {}).get("sha256", arm.sha256))),
+            *((proviso.kind[:1].upper() + proviso.kind[1:], proviso.text) for proviso in arm.provisos),
             ("Seed", str(result.experiment.seed)),
             ("Trajectories", "trajectories.nc"),
             ("Summary", "summary.parquet, summary.md, summary.tex"),

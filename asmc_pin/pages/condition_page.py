@@ -13,7 +13,7 @@ from asmc_pin.disk.files import write_whole
 from asmc_pin.pages.condition_figures import COLOURS, along_figure, distribution_figure, maps_figure, trade_off_figure
 from asmc_pin.pages.condition_words import facts, headline, joint_table, meaning, sentence
 from asmc_pin.pages.plates import Plate, framed, is_html, write_beside
-from asmc_pin.pages.summary_tables import Table, markdown_table
+from asmc_pin.pages.tables.text_table import Table, markdown_table
 from asmc_pin.viewer.drawing.drawn_bodies import draw
 from asmc_pin.viewer.played_motion import PlayedMotion, describe
 from asmc_pin.viewer.player_page import replay_element

@@ -50,6 +50,25 @@ def running_max(time: Array, values: Array, windows: int = 150) -> tuple[Array, 
     return middle, np.asarray(np.fmax.reduceat(values, edges[:-1]))
 
 
+def envelope(time: Array, low: Array, high: Array, windows: int = 600) -> tuple[Array, Array, Array]:
+    """The lowest of the lower and the highest of the upper ends of a band in each of some windows.
+
+    Args:
+        time: Shape (T,).
+        low: Lower end, shape (T,); NaN where there is none.
+        high: Upper end.
+        windows: Their number; a band of fewer points is returned as it is.
+
+    Returns:
+        Middle of each window, and both ends; NaN where there is none in all of it.
+    """
+    if time.size <= windows:
+        return time, low, high
+    edges = np.unique(np.linspace(0, time.size, windows + 1).astype(int))
+    middle = 0.5 * (time[edges[:-1]] + time[edges[1:] - 1])
+    return middle, np.fmin.reduceat(low, edges[:-1]), np.fmax.reduceat(high, edges[:-1])
+
+
 def spread(error: Array) -> float:
     """How many times the RMS of one controller's error is that of another, on the joint where they differ most.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from asmc_pin.metrics import Metric
-from asmc_pin.pages.summary_tables import Table
+from asmc_pin.pages.tables.text_table import Table
 from asmc_pin.words.media import for_html
 
 
@@ -22,14 +22,17 @@ def table_html(table: Table, colours: Mapping[str, str]) -> str:
     for i, line in enumerate(table.rows):
         colour = colours.get(line[0]) or colours.get(line[0].partition(", trial ")[0])
         chip = f'<span class="chip" style="--colour:{colour}"></span>' if colour else ""
-        cells = "".join(_cell(cell, (i, j) in marked) for j, cell in enumerate(line[1:], start=1))
+        cells = "".join(
+            _cell(cell, (i, j) in marked, table.ranges.get((i, j))) for j, cell in enumerate(line[1:], start=1)
+        )
         rows.append(f'<tr><th scope="row">{chip}{for_html(line[0])}</th>{cells}</tr>')
     return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
 
 
-def _cell(text: str, best: bool) -> str:
-    kind = ' class="best"' if best else ' class="over"' if text.startswith("diverged") else ""
-    return f"<td{kind}>{for_html(text)}</td>"
+def _cell(text: str, best: bool, ends: tuple[str, str] | None) -> str:
+    kind = ' class="best"' if best else ' class="over"' if "diverged" in text else ""
+    span = f"<small>{for_html(' … '.join(ends))}</small>" if ends else ""
+    return f"<td{kind}>{for_html(text)}{span}</td>"
 
 
 def definitions(metrics: Iterable[Metric]) -> str:

@@ -14,7 +14,7 @@ from asmc_pin.disk.files import write_whole
 from asmc_pin.pages.figure_style import PAGE, paper_style
 from asmc_pin.pages.html_fragments import table_html
 from asmc_pin.pages.plates import Plate, framed, is_html, write_beside
-from asmc_pin.pages.summary_tables import Table, markdown_table
+from asmc_pin.pages.tables.text_table import Table, markdown_table
 from asmc_pin.sampled.frozen_arms import FrozenArms
 from asmc_pin.sampled.loop_curves import LoopCurve, LoopCurves, loop_curves
 from asmc_pin.sampled.noise.sensor_model import LoopSensor

@@ -8,15 +8,15 @@ import pandas as pd
 
 from asmc_pin.monitors import CAUSES, STATEMENTS
 from asmc_pin.monitors.claim_texts import tick_share, verdict_text
-from asmc_pin.pages.summary_tables import Table, markdown_table, number
+from asmc_pin.pages.tables.text_table import Table, markdown_table, number
 from asmc_pin.words.media import for_latex, for_markdown
 
 TITLE = "The paper's theorems, held against these runs"
 INTRODUCTION = (
-    "Claims about the arm as it is simulated, with the armature, payload and locked joints named at the top. "
-    "Computed from the trajectories and the plant, which knows Γ (docs/monitors.md). Γ* is the largest TDE error of "
-    "the run itself, so the bounds made from it are checks of consistency, no predictions. The proofs are in "
-    "continuous time: a sampled loop may break them, and the reason is given."
+    "Of the first trial of each controller. Claims about the arm as it is simulated, with the armature, payload and "
+    "locked joints named at the top. Computed from the trajectories and the plant, which knows Γ (docs/monitors.md). "
+    "Γ* is the largest TDE error of the run itself, so the bounds made from it are checks of consistency, no "
+    "predictions. The proofs are in continuous time: a sampled loop may break them, and the reason is given."
 )
 
 

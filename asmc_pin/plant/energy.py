@@ -29,11 +29,11 @@ def mechanical_energy(arm: Arm, q: Array, v: Array) -> Array:
     q, v = np.broadcast_arrays(np.asarray(q, dtype=np.float64), np.asarray(v, dtype=np.float64))
     # Not Pinocchio's kinetic energy: whether it counts the armature depends on the model.
     kinetic = 0.5 * np.einsum("...i,...ij,...j->...", v, mass_matrices(arm.tree, q), v)
-    data = arm.model.createData()
+    data, joints = arm.model.createData(), arm.tree.coupling.joints(q)
     potential = np.full(kinetic.shape, np.nan)
     for index in np.ndindex(kinetic.shape):
         if np.isfinite(q[index]).all():
-            potential[index] = pin.computePotentialEnergy(arm.model, data, np.array(q[index]))
+            potential[index] = pin.computePotentialEnergy(arm.model, data, np.array(joints[index]))
     return np.asarray(kinetic + potential)
 
 

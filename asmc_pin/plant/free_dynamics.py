@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from asmc_pin._typing import Array, IntArray
 from asmc_pin.arms import Arm
+from asmc_pin.plant.coupled_dynamics import coupled_acceleration
 from asmc_pin.rigid_body.recursion import Links, crba, links_of
 
 # With fewer trials a thread costs more to wake than it saves (UR5: 16 trials take 34 µs alone, 19 µs on two threads).
@@ -76,7 +77,11 @@ class FreeDynamics:
         out = np.empty_like(q)
         for group in self._groups:
             rows = group.rows
-            if isinstance(rows, slice):
+            if group.arm.mimics:
+                mass = _mass_matrices(group.links, group.armature, np.ascontiguousarray(q[rows]))
+                parts = q[rows], v[rows], torque[rows]
+                out[rows] = coupled_acceleration(group.arm.tree.coupling, group.pool, group.threads, mass, *parts)
+            elif isinstance(rows, slice):
                 pin.abaInParallel(group.threads, group.pool, q[rows].T, v[rows].T, torque[rows].T, out[rows].T)
             else:
                 part = np.empty((len(rows), q.shape[1]))

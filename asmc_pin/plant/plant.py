@@ -36,6 +36,7 @@ class Plant(PlantParameters):
         engine: What computes a rollout: ``"compiled"``, this package's own recursion, which every arm is held against
             Pinocchio for; ``"pinocchio"``, Pinocchio itself, several times slower. docs/plant.md says what else is run
             by Pinocchio.
+        first_trial: Number of the study's trial that is trial 0 here, so that one of many can be run again alone.
     """
 
     def begin(self, q: Array, v: Array, period: float, trials: Sequence[int] | None = None) -> Motion:

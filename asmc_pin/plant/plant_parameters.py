@@ -45,6 +45,7 @@ class PlantParameters:
     spread: Spread | None
     seed: int
     engine: Literal["compiled", "pinocchio"]
+    first_trial: int
 
     def __init__(
         self,
@@ -66,6 +67,7 @@ class PlantParameters:
         spread: Spread | None = None,
         seed: int = 0,
         engine: Literal["compiled", "pinocchio"] = "compiled",
+        first_trial: int = 0,
     ) -> None:
         """Check and freeze the parameters.
 
@@ -88,6 +90,7 @@ class PlantParameters:
             spread: None for trials that are all alike.
             seed: Whole number, 0 or more.
             engine: ``"compiled"`` or ``"pinocchio"``.
+            first_trial: Whole number, 0 or more.
 
         Raises:
             ParameterError: a parameter has a wrong size, sign or value; or the compiled dynamics of an arm are not
@@ -131,8 +134,9 @@ class PlantParameters:
             "disturbances": tuple(disturbances),
             "payload_changes": tuple(sorted(payload_changes, key=lambda change: change.time)),
             "spread": spread,
-            "seed": _seed(seed),
             "engine": engine,
+            "seed": _whole("seed", seed),
+            "first_trial": _whole("first_trial", first_trial),
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)
@@ -198,11 +202,16 @@ class PlantParameters:
         if self.spread is None:
             return self
         made = copy(self)
-        object.__setattr__(made, "arms", self.spread.arms(self.arms, self.seed, trials))
-        friction = self.spread.of_friction(self.friction, self.nv, self.seed, trials)
+        numbers = self.numbered(trials)
+        object.__setattr__(made, "arms", self.spread.arms(self.arms, self.seed, numbers))
+        friction = self.spread.of_friction(self.friction, self.nv, self.seed, numbers)
         object.__setattr__(made, "friction", friction)
         object.__setattr__(made, "spread", None)
         return made
+
+    def numbered(self, trials: Sequence[int]) -> list[int]:
+        """Numbers that trials have in the study, and by which what is random in them is drawn."""
+        return [self.first_trial + trial for trial in trials]
 
     def arms_at(self, time: float, period: float) -> tuple[Arm, ...]:
         """The arms with what they carry over the period that begins at a control tick, s."""
@@ -213,9 +222,9 @@ class PlantParameters:
         return arms
 
 
-def _seed(value: int) -> int:
+def _whole(name: str, value: int) -> int:
     if isinstance(value, bool) or int(value) != value or value < 0:
-        raise ParameterError("seed", f"{value!r} given; expected a whole number, 0 or more")
+        raise ParameterError(name, f"{value!r} given; expected a whole number, 0 or more")
     return int(value)
 
 

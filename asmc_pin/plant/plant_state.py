@@ -47,6 +47,7 @@ class Motion:
 
     def __init__(self, plant: PlantParameters, period: float, q: Array, v: Array, trials: Sequence[int]) -> None:
         batch, nv = q.shape
+        trials = plant.numbered(trials)
         self.active: BoolArray = np.ones(batch, dtype=np.bool_)
         self._all_active = True
         self.plant, self.period, self._nv = plant, period, nv

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from asmc_pin.pages.summary_tables import number
+from asmc_pin.pages.tables.text_table import number
 from asmc_pin.reproduction.printed_tables import BSMC, EXISTING, NORM, PPC, PROPOSED, Printed
 from asmc_pin.reproduction.tuned_rows import SUFFIX
 
@@ -50,21 +50,37 @@ def _ordering(measured: Figures, wanted: Callable[[Sequence[str], str], tuple[st
         "baselines tuned, proposed with the gains of the file": [*tuned, PROPOSED],
         "all tuned": [*tuned, PROPOSED + SUFFIX],
     }
-    good, told = [], []
+    good: list[bool | None] = []
+    told = []
     for name, labels in rounds.items():
         if len(labels) < 2 or labels[-1] not in measured:
             continue
         labels = [PPC, *labels]
         label, place = wanted(labels, labels[-1])
-        places = [_place(measured, labels, label, joint) for joint in (0, 1)]
-        good += [found == place for found in places]
-        told.append(f"{name}: {label} {places[0]} and {places[1]} of {len(labels)}")
+        places = [_places(measured, labels, label, joint) for joint in (0, 1)]
+        good += [None if low != high and low <= place <= high else low == place for low, high in places]
+        told.append(f"{name}: {label} {' and '.join(map(_place_words, places))} of {len(labels)}")
     return _grade(good), "; ".join(told)
 
 
-def _place(measured: Figures, labels: Sequence[str], label: str, joint: int) -> int:
-    own = _finite(measured[label]["rms_deg"][joint])
-    return 1 + sum(_finite(measured[x]["rms_deg"][joint]) < own for x in labels)
+def _places(measured: Figures, labels: Sequence[str], label: str, joint: int) -> tuple[int, int]:
+    """The best and the worst place that the others leave it with certainty; the same twice where its place is sure."""
+    smaller = sum(_below(measured, other, label, joint) for other in labels if other != label)
+    larger = sum(_below(measured, label, other, joint) for other in labels if other != label)
+    return 1 + smaller, len(labels) - larger
+
+
+def _below(measured: Figures, one: str, other: str, joint: int) -> bool:
+    """Whether one error is smaller than another, with certainty where the trials of both are known."""
+    above = measured[one].get("certainly_above")
+    if above is not None:
+        return other in above[joint]
+    return _finite(measured[one]["rms_deg"][joint]) < _finite(measured[other]["rms_deg"][joint])
+
+
+def _place_words(places: tuple[int, int]) -> str:
+    low, high = places
+    return str(low) if low == high else f"{low} to {high} (not certain)"
 
 
 def _over_ppc(measured: Figures, printed: Printed) -> tuple[str, str]:
@@ -93,7 +109,8 @@ def _bounded(measured: Figures, printed: Printed) -> tuple[str, str]:
     """The proposed gains do not go on growing: the last quarter of the run has hardly a larger one."""
     law = measured[PROPOSED]
     if law["status"] != "ok":
-        return BROKEN, f"the run diverged at {law['end_time']:.3g} s"
+        share = f"{law['failed']} of {law['trials']} trials" if law.get("trials", 1) > 1 else "the run"
+        return BROKEN, f"{share} diverged, the first at {law['end_time']:.3g} s"
     before, last = law["peak_gain_before"], law["peak_gain_last_quarter"]
     good = [b <= 1.1 * a for a, b in zip(before, last, strict=True)]
     return _grade(good), (
@@ -144,8 +161,8 @@ def _norm_range(norm: Sequence[float], printed: Printed) -> tuple[str, str]:
 
 
 _CLAIMS: Mapping[str, Callable[[Figures, Printed], tuple[str, str]]] = {
-    "ordering of the schemes: PPC last": _last,
-    "ordering of the schemes: proposed first": _first,
+    "ordering of the controllers: PPC last": _last,
+    "ordering of the controllers: proposed first": _first,
     "size of the improvement over PPC": _over_ppc,
     "size of the improvement over the existing law": _over_existing,
     "bounded gains": _bounded,
@@ -155,8 +172,9 @@ _CLAIMS: Mapping[str, Callable[[Figures, Printed], tuple[str, str]]] = {
 CLAIMS = (*_CLAIMS, "norm range")
 
 
-def _grade(good: Sequence[bool]) -> str:
-    return HOLDS if all(good) else PART if any(good) else BROKEN
+def _grade(good: Sequence[bool | None]) -> str:
+    """The verdict on several parts; None is a part that the trials leave open."""
+    return HOLDS if all(good) else BROKEN if all(part is False for part in good) else PART
 
 
 def _finite(value: float | None) -> float:

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from asmc_pin.pages.curves import running_max, thinned
-from asmc_pin.pages.figure_style import COLUMN, GREY, PAGE, paper_style, save
+from asmc_pin.pages.figure_style import COLUMN, GREY, PAGE, paper_style, save, shade, shade_sizes
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.words.media import for_figure
 
@@ -88,6 +88,8 @@ def _gains(pair: Pair) -> Figure:
                 gain, s = of_gain * run.gain.to_numpy()[:, i], of_s * run.s.to_numpy()[:, i]
                 grid[i][column].plot(*thinned(time, gain), color=_color(scheme))
                 grid[2 + i][column].plot(*thinned(time, s), color=_color(scheme), linewidth=0.6)
+                shade(grid[i][column], run, "gain", i, of_gain, _color(scheme))
+                shade(grid[2 + i][column], run, "s", i, of_s, _color(scheme))
         for i in range(2):
             _limit(grid[i][column], max(item["paper"]["gain"].values()))
             _limit(grid[2 + i][column], item["paper"]["s"][i], both=True)
@@ -130,6 +132,7 @@ def _errors(pair: Pair) -> Figure:
             error = np.abs(dataset.q_ref.to_numpy() - dataset.sel(controller=label).q.to_numpy()) * to_unit
             for i in range(2):
                 grid[i][column].plot(*running_max(time, error[:, i]), color=_color(scheme))
+                shade_sizes(grid[i][column], dataset.sel(controller=label), i, to_unit, _color(scheme))
         for i in range(2):
             axis = grid[i][column]
             axis.set_yscale("log")

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from asmc_pin.pages.summary_tables import Table, markdown_table, number
+from asmc_pin.pages.tables.text_table import Table, markdown_table, number
 
 
 def words(reading: Mapping[str, str]) -> str:

@@ -10,11 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from asmc_pin._typing import Array
 from asmc_pin.condition import lemma1_norm
 from asmc_pin.disk.files import whole_folder, write_whole
-from asmc_pin.experiment import load_experiment
+from asmc_pin.engine import Rollout
+from asmc_pin.experiment import Experiment, load_experiment
 from asmc_pin.reproduction.error_bounds import limits
-from asmc_pin.reproduction.measured_figures import measure, theorems
+from asmc_pin.reproduction.measured_figures import certainly_above, measure, rms_by_trial, theorems
 from asmc_pin.reproduction.paper_claims import judge
 from asmc_pin.reproduction.paper_figures import draw_reproduction
 from asmc_pin.reproduction.printed_tables import PAPER, PROPOSED, RECONCILED, known
@@ -109,8 +111,9 @@ def reproduce(
         if tune:
             experiment = load_experiment(write_rows(tune_rows(experiment, of(name)), folder / TUNED))
             done += 1
-        comparison = compare(experiment, folder / name, force, of(name))
-        found[name] = _experiment(name, comparison)
+        told = _Told(experiment, PAPER[name.removesuffix(RECONCILED)].window)
+        comparison = compare(experiment, folder / name, force, of(name), each=told)
+        found[name] = _experiment(name, comparison, told.figures())
         done += 1
     searched = {}
     for key in sets:
@@ -133,11 +136,29 @@ def reading_of(name: str) -> dict[str, str]:
     return base | READINGS[own]
 
 
-def _experiment(name: str, comparison: Comparison) -> dict[str, Any]:
+class _Told:
+    """Measures every controller of an experiment while its trials are there."""
+
+    def __init__(self, experiment: Experiment, window: float | None) -> None:
+        self._laws = {label: str(table["law"]) for label, table in experiment.controllers.items()}
+        self._window = window
+        self._told: dict[str, dict[str, Any]] = {}
+        self._rms: dict[str, Array] = {}
+
+    def __call__(self, label: str, run: Rollout) -> None:
+        self._told[label] = measure(run, self._laws[label], self._window)
+        self._rms[label] = rms_by_trial(run, self._window)
+
+    def figures(self) -> dict[str, dict[str, Any]]:
+        """What was measured, by label, and which others are larger with certainty."""
+        above = certainly_above(self._rms)
+        return {label: {**told, "certainly_above": above[label]} for label, told in self._told.items()}
+
+
+def _experiment(name: str, comparison: Comparison, told: dict[str, dict[str, Any]]) -> dict[str, Any]:
     """Everything that the page says of one experiment."""
     printed = PAPER[name.removesuffix(RECONCILED)]
     reading = reading_of(name)
-    told = {label: measure(comparison.dataset, label, printed.window) for label in comparison.experiment.controllers}
     # The paper's errors in the unit in which they are read: in deg, or rad called deg.
     unit = 1.0 / ERRORS[reading["errors"]]
     paper = {label: [unit * x for x in values] for label, values in printed.rms_deg.items()}
@@ -163,6 +184,8 @@ def _experiment(name: str, comparison: Comparison) -> dict[str, Any]:
             "s": list(printed.s),
         },
         "scale": _scales(reading),
+        "trials": comparison.experiment.ensemble.trials,
+        "q0_deviation": comparison.experiment.ensemble.q0_deviation,
         "controllers": told,
         "tuned": {
             label: {key: value for key, value in own[label].items() if key != "law"}

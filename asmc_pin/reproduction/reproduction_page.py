@@ -6,15 +6,15 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from asmc_pin.pages.summary_tables import Table, markdown_table, number
+from asmc_pin.pages.tables.text_table import Table, markdown_table, number
 from asmc_pin.reproduction.readings_page import cannot_hold, search_section, words
 from asmc_pin.words.line_width import wrap_prose
 from asmc_pin.words.media import for_cell
 
 _TUNED = " tuned"
 _STATEMENTS = {
-    "ordering of the schemes: PPC last": "PPC has the largest RMS error of all schemes, at both joints.",
-    "ordering of the schemes: proposed first": "The proposed law has the smallest, at both joints.",
+    "ordering of the controllers: PPC last": "PPC has the largest RMS error of all controllers, at both joints.",
+    "ordering of the controllers: proposed first": "The proposed law has the smallest, at both joints.",
     "size of the improvement over PPC": "The proposed law divides the error of PPC by 1.3 to 3.2.",
     "size of the improvement over the existing law": "It divides that of the existing adaptive law by 1.1 to 1.8.",
     "bounded gains": "The adaptive gains stay bounded (Lemma 2).",
@@ -43,6 +43,8 @@ _LIMITATIONS = """\
 - The references are ours. How much the errors hang on them is seen at "motion" among the readings: less than the order
   of magnitude that is at stake.
 - The figures of the paper are compared by the ranges that they show, not curve by curve.
+- The brackets are about starts that nobody could tell apart, on one and the same plant. Other plants, payloads and
+  motions move the errors by more.
 - A tuned row is the best of a fixed number of trials on this one motion, which is then also the motion it is judged
   on. It tells what a law can do within that chatter, not what it would do on another motion.
 """
@@ -55,7 +57,7 @@ def page(data: Mapping[str, Any], figures: str) -> str:
         data: As `asmc_pin.reproduction.reproducing` writes it.
         figures: Folder of the figures, as seen from the page.
     """
-    parts = ["# What can be reproduced of Baek, Jin, Han (2016)", "", _INTRODUCTION, "## In short", ""]
+    parts = ["# What can be reproduced of Baek, Jin, Han (2016)", "", _INTRODUCTION, _sure(data), "", "## In short", ""]
     parts += [_verdicts(data), "", *(f"- {line}" for line in [*summary_lines(data), *_tuned_lines(data)]), ""]
     parts += ["## Tables", "", *_tables(data)]
     parts += ["## Where the printed numbers cannot hold", "", *cannot_hold(data)]
@@ -66,6 +68,28 @@ def page(data: Mapping[str, Any], figures: str) -> str:
     parts += ["## Tuned gains", "", *_gains(data)]
     parts += ["## What this cannot tell", "", _LIMITATIONS]
     return wrap_prose("\n".join(parts).rstrip("\n") + "\n")
+
+
+def _sure(data: Mapping[str, Any]) -> str:
+    """What the brackets are, and how wide the widest is."""
+    items = list(data["experiments"].values())
+    moves = [
+        (high / low, f"{label} at joint {joint + 1}, Table {item['table']}, {item['set']}")
+        for item in items
+        for label, run in item["controllers"].items()
+        for joint, (low, high) in enumerate(zip(run["rms_deg_low"], run["rms_deg_high"], strict=True))
+        if low and high
+    ]
+    most, where = max(moves, default=(1.0, "none"))
+    trials = sorted({item["trials"] for item in items})
+    return (
+        f"Figures are medians of {', '.join(map(str, trials))} trials whose starts differ by "
+        f"{items[0]['q0_deviation']:g} rad, the first unchanged, and in brackets 5 % and 95 % where that is printed "
+        "differently. This is numerical sensitivity for this plant and these gains: a start that nobody could tell "
+        f"apart moves an RMS error by a factor of up to {number(most, 2)} ({where}). In the ordering of the "
+        "controllers a place counts where the paired ratios are certain of it ([statistics](statistics.md)); the other "
+        "claims are judged by medians. Curves, theorems and the search of readings are of the first trial."
+    )
 
 
 def summary_lines(data: Mapping[str, Any]) -> list[str]:
@@ -115,7 +139,7 @@ def _tables(data: Mapping[str, Any]) -> Iterator[str]:
         yield ""
         yield f"RMS tracking error [{unit}], joint 1 / joint 2, {over}{words(item['reading'])}."
         yield ""
-        header = ["scheme", "paper", "measured", "measured / paper", "largest error", "largest torque [N·m]"]
+        header = ["controller", "paper", "measured", "measured / paper", "largest error", "largest torque [N·m]"]
         header += ["chatter [N·m/s]", "largest k̂ [rad/s²]"]
         rows = []
         for label, run in item["controllers"].items():
@@ -124,16 +148,18 @@ def _tables(data: Mapping[str, Any]) -> Iterator[str]:
                 [
                     label,
                     "–" if told is None else _pair(told, factor),
-                    _pair(run["rms_deg"], factor),
+                    medians(run, "rms_deg", factor),
                     "–" if told is None else _ratio(run["rms_deg"], told),
-                    _pair(run["max_error_deg"], factor),
-                    _pair(run["torque_max"]),
-                    _pair(run["torque_variation"]),
-                    _pair(run["peak_gain"]),
+                    medians(run, "max_error_deg", factor),
+                    medians(run, "torque_max"),
+                    medians(run, "torque_variation"),
+                    medians(run, "peak_gain"),
                 ]
             )
             if run["status"] != "ok":
-                rows[-1][0] += f" (diverged at {number(run['end_time'])} s)"
+                rows[-1][0] += (
+                    f" ({run['failed']} of {run['trials']} diverged, the first at {number(run['end_time'])} s)"
+                )
         yield markdown_table(Table("", header, rows))
         yield ""
         yield _ranges(item)
@@ -194,7 +220,11 @@ def _theorems(data: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _figures(data: Mapping[str, Any], folder: str) -> Iterator[str]:
-    yield "Dashed: the range that the paper's figure shows. BSMC and Existing are the tuned rows."
+    yield (
+        "Dashed: the range that the paper's figure shows. BSMC and Existing are the tuned rows. Lines: the first "
+        "trial; shaded in errors, gains and sliding variables: 5 % to 95 % of all trials, as far as "
+        "three times the line's largest value."
+    )
     yield ""
     for name, caption in data["figures"].items():
         yield f"![{caption}]({folder}/{name}.png)"
@@ -251,6 +281,21 @@ def _text_table(table: Table) -> str:
 
 def _pair(values: Sequence[float | None], factor: float = 1.0) -> str:
     return " / ".join(_number(None if x is None else factor * x) for x in values)
+
+
+def plain_pair(values: Sequence[float] | None) -> str:
+    """What the paper prints of both joints; a dash where it prints nothing."""
+    return "–" if values is None else _pair(values)
+
+
+def medians(run: Mapping[str, Any], name: str, factor: float = 1.0) -> str:
+    """Medians of the joints, each with its 5 % and 95 % where they are printed differently; ∞ where failures reach."""
+    cells = []
+    for middle, low, high in zip(run[name], run[f"{name}_low"], run[f"{name}_high"], strict=True):
+        text, below = (_number(None if x is None else factor * x) for x in (middle, low))
+        above = "∞" if high is None else number(factor * high)
+        cells.append(text if middle is None or text == below == above else f"{text} [{below} … {above}]")
+    return " / ".join(cells)
 
 
 def _ratio(found: Sequence[float | None], told: Sequence[float]) -> str:

@@ -14,6 +14,7 @@ from typing import Any
 
 from asmc_pin.arms import Arm
 from asmc_pin.experiment import Experiment
+from asmc_pin.words.provisos import provisos_json
 
 # What the figures depend on.
 PACKAGES = (
@@ -50,20 +51,30 @@ def provenance(
             "folder": _way(experiment.folder, folder),
             "sha256": _digest(experiment.to_toml().encode()),
         },
-        "arm": {"name": arm.name, "urdf": arm.source.name, "sha256": arm.sha256},
+        "arm": {
+            "name": arm.name,
+            "urdf": arm.source.name,
+            "sha256": arm.sha256,
+            **(_made(arm) if arm.provisos else {}),
+        },
         "seed": experiment.seed,
         "started": started.isoformat(timespec="seconds"),
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),
         "seconds": {label: round(value, 3) for label, value in seconds.items()},
         "python": sys.version.split()[0],
         "platform": platform.platform(),
-        "packages": {name: _version(name) for name in PACKAGES},
+        "packages": {name: package_version(name) for name in PACKAGES},
         "files": {
             path.relative_to(folder).as_posix(): _digest(path.read_bytes())
             for path in sorted(folder.rglob("*"))
             if path.is_file()
         },
     }
+
+
+def _made(arm: Arm) -> dict[str, Any]:
+    """Of an arm that is not as its file says: how, and the hash of what was computed with (``arm.urdf``)."""
+    return {"provisos": provisos_json(arm.provisos), "urdf_sha256": _digest(arm.urdf_text.encode())}
 
 
 def _way(there: Path, result: Path) -> str | None:
@@ -88,7 +99,8 @@ def _home() -> Path:
         return Path()
 
 
-def _version(package: str) -> str | None:
+def package_version(package: str) -> str | None:
+    """Version of a package as it is installed; None where it is not."""
     try:
         return version(package)
     except PackageNotFoundError:

@@ -35,6 +35,8 @@ EXPERIMENT, TRAJECTORIES, SUMMARY, PROVENANCE = (
 )
 MONITORS, CLAIMS = "monitors.nc", "claims.parquet"
 """What the theorems' monitors found (docs/monitors.md); a result made without them is whole too."""
+EXPANDED = "arm.urdf"
+"""The URDF that was computed with, where it is not the file that was read."""
 
 # Variable: meaning, unit on a revolute joint, unit on a prismatic one.
 VARIABLES: Mapping[str, tuple[str, str, str]] = {
@@ -117,7 +119,8 @@ def load_result(path: str | Path, *, largest: float = LARGEST) -> Result:
                 check_digest(files[name], provenance, largest)
         dataset = read_arrays(files[TRAJECTORIES], largest)
         schema.check_trajectories(files[TRAJECTORIES], dataset, experiment)
-        rows = len(dataset.controller) * dataset.sizes["trial"] * dataset.sizes["joint"]
+        trials = max(dataset.sizes["trial"], experiment.ensemble.trials)
+        rows = len(dataset.controller) * trials * dataset.sizes["joint"]
         summary = read_rows(files[SUMMARY], rows)
         schema.check_summary(files[SUMMARY], summary, dataset)
         claims = monitors = None

@@ -11,6 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from asmc_pin.errors import ResultError
+from asmc_pin.experiment.toml_keys import MOST_TRIALS
 from asmc_pin.metrics import METRICS, MOVED
 from asmc_pin.monitors import CAUSES, STATEMENTS, STATUSES
 from asmc_pin.results.result_files import Columns, check_columns
@@ -32,7 +33,6 @@ _NUMBERS = {
 _FURTHEST = 1e9
 """rad (m): a run ends as diverged long before it, and a picture of it would be nothing but overflow."""
 
-MOST_TRIALS = 10_000
 _KINDS = ("revolute", "prismatic")
 
 _SUMMARY: Columns = {
@@ -45,6 +45,7 @@ _SUMMARY: Columns = {
 _TOOL: Columns = {
     "tool": "text",
     **{f"tool_{name}": "number" for name in ("rms_position", "max_position", "rms_rotation", "max_rotation")},
+    **{f"tool_path_{name}": "number" for name in ("accuracy", "repeatability")},
 }
 _MOVED: Columns = {f"{MOVED}{name}": "number" for name in METRICS}
 """How half the step moves each metric, where that was asked for."""
@@ -131,6 +132,8 @@ def _check_times(path: Path, dataset: xr.Dataset) -> None:
 def check_summary(path: Path, rows: pd.DataFrame, dataset: xr.Dataset) -> None:
     """Whether the rows are those of checked trajectories: one for each controller, trial and joint, in that order.
 
+    There may be more trials than those whose trajectories are kept.
+
     Raises:
         ResultError: A column or a row is missing, or speaks of something else.
     """
@@ -140,7 +143,9 @@ def check_summary(path: Path, rows: pd.DataFrame, dataset: xr.Dataset) -> None:
     if any(str(name).startswith(MOVED) for name in rows):
         check_columns(path, rows, _MOVED)
     labels, joints = dataset.controller.to_numpy().tolist(), dataset.joint.to_numpy().tolist()
-    kinds, trials = dataset.joint_kind.to_numpy().tolist(), dataset.sizes["trial"]
+    kinds, trials = dataset.joint_kind.to_numpy().tolist(), len(rows) // (len(labels) * len(joints))
+    if trials < dataset.sizes["trial"]:
+        raise ResultError(path, f"{path}: has rows of {trials} trials, trajectories.nc has {dataset.sizes['trial']}")
     keys = ["controller", "trial", "joint", "joint_kind"]
     expected = [
         (label, trial, joint, kind)

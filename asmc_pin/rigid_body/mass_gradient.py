@@ -20,23 +20,25 @@ def bilinear_gradient(links: Links, placed: Placed, x: Array, y: Array, flow: Ar
 
     xᵀMy = Σ_j Vx_jᵀ I_j Vy_j. Moving joint k turns all bodies beyond it rigidly, which is the same as turning the
     velocity that enters them by the opposite motion: −S_k × V_k. So the derivative is
-    −(S_k × Vx_k)·Py_k − (S_k × Vy_k)·Px_k, with P_k the momentum of the subtree.
+    −(S_k × Vx_k)·Py_k − (S_k × Vy_k)·Px_k, with P_k the momentum of the subtree. A coordinate that several joints
+    follow gets the sum of theirs, by their ratios.
 
     Args:
         links: The tree.
         placed: Composite bodies, as `fill_mass` leaves them.
         x: Shape (nv,).
         y: Shape (nv,).
-        flow: Scratch, shape (2, nv, 12): velocity and momentum at each joint's origin, angular before linear.
+        flow: Scratch, shape (2, n, 12), n joints: velocity and momentum at each joint's origin, angular before linear.
         out: Receives the gradient, shape (nv,).
     """
-    nv = x.size
+    n = links.parent.size
     parent, prismatic, a, d = links.parent, links.prismatic, placed.a, placed.d
+    coordinate, ratio = links.coordinate, links.ratio
     for side in range(2):
         rate = x if side == 0 else y
         f = flow[side]
-        for i in range(nv):
-            w, u = _twist(rate[i], prismatic[i], (a[i, 0], a[i, 1], a[i, 2]))
+        for i in range(n):
+            w, u = _twist(ratio[i] * rate[coordinate[i]], prismatic[i], (a[i, 0], a[i, 1], a[i, 2]))
             p = parent[i]
             if p >= 0:
                 turning = (f[p, 0], f[p, 1], f[p, 2])
@@ -47,8 +49,8 @@ def bilinear_gradient(links: Links, placed: Placed, x: Array, y: Array, flow: Ar
             for k in range(6, 12):
                 f[i, k] = 0.0
         # The subtree's momentum: its composite as the joint's parent moves it, and what each joint in it adds.
-        for i in range(nv - 1, -1, -1):
-            w, u = _twist(rate[i], prismatic[i], (a[i, 0], a[i, 1], a[i, 2]))
+        for i in range(n - 1, -1, -1):
+            w, u = _twist(ratio[i] * rate[coordinate[i]], prismatic[i], (a[i, 0], a[i, 1], a[i, 2]))
             moment, linear = momentum(placed, i, w, u)
             moment, linear = add(moment, (f[i, 6], f[i, 7], f[i, 8])), add(linear, (f[i, 9], f[i, 10], f[i, 11]))
             p = parent[i]
@@ -60,7 +62,9 @@ def bilinear_gradient(links: Links, placed: Placed, x: Array, y: Array, flow: Ar
             rigid, pushed = momentum(placed, i, carrying, (f[i, 3] - u[0], f[i, 4] - u[1], f[i, 5] - u[2]))
             f[i, 6], f[i, 7], f[i, 8] = add(moment, rigid)
             f[i, 9], f[i, 10], f[i, 11] = add(linear, pushed)
-    for i in range(nv):
+    for i in range(x.size):
+        out[i] = 0.0
+    for i in range(n):
         s = (a[i, 0], a[i, 1], a[i, 2])
         total = 0.0
         for side in range(2):
@@ -71,4 +75,4 @@ def bilinear_gradient(links: Links, placed: Placed, x: Array, y: Array, flow: Ar
             else:
                 total -= dot(cross(s, (v[0], v[1], v[2])), (m[6], m[7], m[8]))
                 total -= dot(cross(s, (v[3], v[4], v[5])), linear)
-        out[i] = total
+        out[coordinate[i]] += ratio[i] * total

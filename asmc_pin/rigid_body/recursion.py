@@ -95,7 +95,7 @@ def applied(body: Symmetric, x: Vector) -> Vector:
 
 
 class Links(NamedTuple):
-    """A tree in the form that compiled code takes; fields as in `Tree`, without armature and gravity."""
+    """A tree in the form that compiled code takes; fields as in `Tree` and `Coupling`, without armature and gravity."""
 
     parent: IntArray
     rotation: Array
@@ -105,23 +105,27 @@ class Links(NamedTuple):
     mass: Array
     com: Array
     inertia: Array
+    coordinate: IntArray
+    ratio: Array
+    offset: Array
 
 
 def links_of(tree: Tree) -> Links:
     """The compiled form of a tree: copies, because numba looks up a read-only array's type at every call, 1 µs each."""
-    return Links(*(np.array(getattr(tree, name), order="C") for name in Links._fields))
+    parts = {**vars(tree), **vars(tree.coupling)}
+    return Links(*(np.array(parts[name], order="C") for name in Links._fields))
 
 
 class Placed(NamedTuple):
     """Scratch for one configuration: the joints where they are, and what each of them moves.
 
     Attributes:
-        R: Orientation of each joint's frame, row by row, shape (nv, 9).
-        d: From the parent joint's origin to this one's, shape (nv, 3), m.
-        a: Axis, shape (nv, 3).
-        m: Mass of all that the joint moves, shape (nv,), kg.
-        c: Its centre from the joint's origin, shape (nv, 3), m.
-        B: Its inertia about that centre, xx, xy, xz, yy, yz, zz, shape (nv, 6), kg·m².
+        R: Orientation of each joint's frame, row by row, shape (n, 9).
+        d: From the parent joint's origin to this one's, shape (n, 3), m.
+        a: Axis, shape (n, 3).
+        m: Mass of all that the joint moves, shape (n,), kg.
+        c: Its centre from the joint's origin, shape (n, 3), m.
+        B: Its inertia about that centre, xx, xy, xz, yy, yz, zz, shape (n, 6), kg·m².
     """
 
     R: Array
@@ -133,11 +137,9 @@ class Placed(NamedTuple):
 
 
 @compiled
-def scratch(nv: int) -> Placed:
-    """Room for one configuration of nv joints."""
-    return Placed(
-        np.empty((nv, 9)), np.empty((nv, 3)), np.empty((nv, 3)), np.empty(nv), np.empty((nv, 3)), np.empty((nv, 6))
-    )
+def scratch(n: int) -> Placed:
+    """Room for one configuration of n joints, those that mimic others included."""
+    return Placed(np.empty((n, 9)), np.empty((n, 3)), np.empty((n, 3)), np.empty(n), np.empty((n, 3)), np.empty((n, 6)))
 
 
 @compiled
@@ -172,7 +174,8 @@ def _lay_out(links: Links, i: int, q: float, placed: Placed) -> None:
 @compiled
 def _merge(i: int, j: int, d: Array, m: Array, c: Array, B: Array) -> None:
     """Add all that joint i moves to what its parent j moves."""
-    share = m[i] / (m[i] + m[j])
+    # A joint that mimics another may move nothing.
+    share = m[i] / (m[i] + m[j]) if m[i] > 0.0 else 0.0
     w = share * m[j]
     x = d[i, 0] + c[i, 0] - c[j, 0]
     y = d[i, 1] + c[i, 1] - c[j, 1]
@@ -209,7 +212,7 @@ def momentum(placed: Placed, i: int, w: Vector, u: Vector) -> tuple[Vector, Vect
 
 @compiled
 def fill_mass(links: Links, armature: Array, q: Array, placed: Placed, out: Array) -> None:
-    """M(q), armature on its diagonal included, exactly symmetric; `placed` then holds composite bodies.
+    """M(q) = Sᵀ M_tree S, armature on its diagonal included, exactly symmetric; `placed` then holds composite bodies.
 
     Args:
         links: The tree.
@@ -218,13 +221,15 @@ def fill_mass(links: Links, armature: Array, q: Array, placed: Placed, out: Arra
         placed: Scratch.
         out: Receives M(q), shape (nv, nv), kg·m².
     """
-    nv = q.size
+    nv, n = q.size, links.parent.size
     parent, prismatic, a, d = links.parent, links.prismatic, placed.a, placed.d
+    coordinate, ratio = links.coordinate, links.ratio
     for i in range(nv):
-        _lay_out(links, i, q[i], placed)
         for k in range(nv):
             out[i, k] = 0.0
-    for i in range(nv - 1, -1, -1):
+    for i in range(n):
+        _lay_out(links, i, ratio[i] * q[coordinate[i]] + links.offset[i], placed)
+    for i in range(n - 1, -1, -1):
         if parent[i] >= 0:
             _merge(i, parent[i], d, placed.m, placed.c, placed.B)
         # Momentum of all that joint i moves at unit velocity, and its moment about the joint's origin.
@@ -233,10 +238,15 @@ def fill_mass(links: Links, armature: Array, q: Array, placed: Placed, out: Arra
         moment, linear = momentum(placed, i, zero, s) if prismatic[i] else momentum(placed, i, s, zero)
         k = i
         while k >= 0:
-            out[i, k] = dot((a[k, 0], a[k, 1], a[k, 2]), linear if prismatic[k] else moment)
-            out[k, i] = out[i, k]
+            # Of two joints with one coordinate both corners of M_tree, [i, k] and [k, i], fall on its diagonal.
+            x, y = coordinate[i], coordinate[k]
+            share = ratio[i] * ratio[k] * dot((a[k, 0], a[k, 1], a[k, 2]), linear if prismatic[k] else moment)
+            out[x, y] += share
+            if k != i:
+                out[y, x] += share
             moment = add(moment, cross((d[k, 0], d[k, 1], d[k, 2]), linear))
             k = parent[k]
+    for i in range(nv):
         out[i, i] += armature[i]
 
 
@@ -245,7 +255,7 @@ def crba(links: Links, armature: Array, q: Array) -> Array:
     """M(q) of a batch: q (batch, nv), armature (nv,); shape (batch, nv, nv), kg·m²."""
     batch, nv = q.shape
     out = np.empty((batch, nv, nv))
-    placed = scratch(nv)
+    placed = scratch(links.parent.size)
     for b in range(batch):
         fill_mass(links, armature, q[b], placed, out[b])
     return out

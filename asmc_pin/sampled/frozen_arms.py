@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,8 +20,9 @@ from asmc_pin.arms.payload import Payload
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases
 from asmc_pin.condition.domain.joint_box import Box, BoxLike
 from asmc_pin.condition.hypotheses import Premises
-from asmc_pin.condition.premises import ends_of, premises_of
+from asmc_pin.condition.premises import ends_of, premises_of, worst_keys
 from asmc_pin.condition.search.samples import sample_box
+from asmc_pin.words.text import printable
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -34,7 +35,7 @@ class FrozenArms:
     """Arms and configurations over which a loop is looked at.
 
     Attributes:
-        pairs: The arm with the lightest and with the heaviest payload, per choice of locked joints.
+        pairs: The arm with the lightest and with the heaviest payload, per choice of locked joints and place of it.
         box: The joint box.
         armature_lower: Shape (nv,), kg·m².
         armature_upper: Shape (nv,), kg·m².
@@ -124,6 +125,19 @@ class FrozenArms:
         own = self.armature(point)
         return arm if np.array_equal(own, arm.armature) else arm.replace(armature=own.tolist())
 
+    def place(self, point: Array) -> tuple[dict[str, Any], str]:
+        """What of the ranges a point has: by the names of `worst_keys`, and in words, empty without ranges."""
+        about, own = self.about, self.armature(point)
+        where = worst_keys(about, self.arm_of(point), own)
+        said = []
+        if about.payload is not None and isinstance(about.payload.mass, tuple):
+            said.append(f"payload {where['worst_payload']['mass']:.3g} kg")
+        if any(isinstance(value, tuple) for value in about.armature):
+            said.append(f"armature ({', '.join(f'{value:.3g}' for value in own)}) kg·m²")
+        if "worst_locked" in where:
+            said.append(", ".join(f"{printable(name)} at {angle:g}" for name, angle in where["worst_locked"].items()))
+        return where, ", ".join(said)
+
     def mass(self, points: Array) -> Array:
         """M at points, shape (count, nv, nv), kg·m²."""
         mass = self._along_payload(points, lambda arm, q: arm.mass_matrix(q))
@@ -172,9 +186,21 @@ def frozen_arms(
 
 
 def _pairs(found: Sequence[Case]) -> tuple[tuple[Arm, Arm], ...]:
-    by_lock = groupby((case.domain.arm for case in found), key=lambda arm: dict(arm.locked))
-    ends = [list(arms) for _, arms in by_lock]
-    return tuple((some[0], some[-1]) for some in ends)
+    pairs = []
+    for _, arms in groupby((case.domain.arm for case in found), key=lambda arm: dict(arm.locked)):
+        some = list(arms)
+        # Of a range of places each is a pair; what weighs nothing is nowhere.
+        bare = some[0] if some[0].payload is None or some[0].payload.mass == 0.0 else None
+        for _, here in groupby(some, key=_place):
+            ends = list(here)
+            if ends[0] is not bare or len(some) == 1:
+                pairs.append((ends[0] if bare is None else bare, ends[-1]))
+    return tuple(pairs)
+
+
+def _place(arm: Arm) -> tuple[float, ...] | None:
+    load = arm.payload
+    return None if load is None or load.mass == 0.0 else load.com
 
 
 def _between(light: Arm, laden: Arm, share: float) -> Payload:

@@ -96,6 +96,7 @@ def gain_warnings(
     for item in loops:
         layers = {label: replace(item.loop, beta=item.loop.beta + slope) for label, slope in item.layers.items()}
         found += [_about_layer(label, loop, searched) for label, loop in layers.items()]
+        found += [_about_band(label, loop, searched) for label, loop in item.bands.items()]
     return [warning for warning in found if warning]
 
 
@@ -125,6 +126,16 @@ def _about_layer(label: str, loop: SampledLoop, searched: Sequence[_Searched]) -
         f"{label}: inside its boundary layer, where β acts as β + K/Φ = {_angles(loop.beta)}, the sampled loop is "
         f"unstable (spectral radius {radius:.4f} {where.place}at q = {_angles(q)} rad), so expect chatter; widen Φ or "
         "lower K"
+    )
+
+
+def _about_band(label: str, loop: SampledLoop, searched: Sequence[_Searched]) -> str:
+    radius, q, where = _worst(loop, searched, at_rest=False)
+    if radius < 1.0:
+        return ""
+    return (
+        f"{label}: inside its band, where the law is linear, the sampled loop is unstable (spectral radius "
+        f"{radius:.4f} {where.place}at q = {_angles(q)} rad), so expect chatter; widen the band or lower its share"
     )
 
 

@@ -14,10 +14,9 @@ from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.errors import NotPositiveDefinite, ParameterError
+from asmc_pin.sampled.law_map import ERRORS, law_loop_rows, readings_of
 from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.sampled.transition import Transition, transition
-
-_ERRORS = ("angle", "rate", "report")
 
 
 @dataclass(frozen=True)
@@ -72,12 +71,14 @@ def closed_loop(
         estimate), acceleration (filter), report (the last torque reported), command-1, command-2, … (delay), q-1, v-1,
         … (age of the readings).
     """
+    if loop.law is not None:
+        return _loop_of_law(mass, loop, viscous=viscous, stiffness=stiffness, substeps=substeps, sensed=sensed)
     n, whole = loop.nv, math.floor(loop.delay)
     fraction = loop.delay - whole
     names = _state_names(loop, sensed)
     blocks = {name: slice(i * n, (i + 1) * n) for i, name in enumerate(names)}
     size = n * len(names)
-    inputs = ("load", "extra", *(_ERRORS if sensed else ()))
+    inputs = ("load", "extra", *(ERRORS if sensed else ()))
     batch = np.shape(mass)[:-2]
 
     def signal(columns: slice) -> Array:
@@ -107,7 +108,7 @@ def closed_loop(
 
     # What the drive reports, and the estimate of the acceleration that goes with it.
     reported = (1.0 - fraction) * recent + fraction * older
-    read, speed = _readings(loop, nxt)
+    read, speed = readings_of(loop, nxt)
     if sensed:
         read, speed, reported = read + come["angle"], speed + come["rate"], reported + come["report"]
     difference = (read - angle) / loop.period
@@ -134,6 +135,35 @@ def closed_loop(
     )
 
 
+def _loop_of_law(
+    mass: Array,
+    loop: SampledLoop,
+    *,
+    viscous: ArrayLike | None,
+    stiffness: Array | None,
+    substeps: int | None,
+    sensed: bool,
+) -> ClosedLoop:
+    """The map with a law other than PPC; see `law_map`. Its states are q, v, report and then the law's memory."""
+    step = transition(
+        mass,
+        loop.mbar,
+        loop.period,
+        fraction=loop.delay % 1.0,
+        viscous=viscous,
+        stiffness=stiffness,
+        substeps=substeps,
+    )
+    nxt, places, inputs, drive = law_loop_rows(step, loop, loop.form, np.shape(mass)[:-2], sensed)
+    rows = np.concatenate(list(nxt.values()), axis=-2)
+    size = rows.shape[-2]
+    found = {name: rows[..., where] for name, where in inputs.items()}
+    blocks = {name: places[name] for name in nxt}
+    return ClosedLoop(
+        rows[..., :size], found.pop("load"), found.pop("extra"), blocks, found, np.asarray(drive[..., :size])
+    )
+
+
 def _state_names(loop: SampledLoop, sensed: bool) -> list[str]:
     """What the state is made of: readings are states where they are not those of the true q and v."""
     apart = sensed or loop.reading_delay > 0.0
@@ -146,22 +176,6 @@ def _state_names(loop: SampledLoop, sensed: bool) -> list[str]:
     names += ["report"] if loop.averages_torque else []
     names += [f"command-{i}" for i in range(1, math.ceil(loop.delay) + 1)]
     return names + [f"{of}-{i}" for i in range(1, math.ceil(loop.reading_delay) + 1) for of in "qv"]
-
-
-def _readings(loop: SampledLoop, nxt: dict[str, Array]) -> tuple[Array, Array]:
-    """Angle and velocity `reading_delay` periods ago, as the plant's sensors have them.
-
-    Between two ticks by the cubic through both angles and velocities there.
-    """
-    whole = math.floor(loop.reading_delay)
-    rest = loop.reading_delay - whole
-    q1, v1 = (nxt[name if whole == 0 else f"{name}-{whole}"] for name in "qv")
-    if not rest:
-        return q1, v1
-    q0, v0 = (nxt[f"{name}-{whole + 1}"] for name in "qv")
-    x = 1.0 - rest
-    angle = rest**2 * (1.0 + 2.0 * x) * q0 + x**2 * (1.0 + 2.0 * rest) * q1
-    return angle + loop.period * x * rest * (rest * v0 - x * v1), rest * v0 + x * v1
 
 
 def _advance(step: Transition, now: dict[str, Array], recent: Array, older: Array, load: Array) -> dict[str, Array]:

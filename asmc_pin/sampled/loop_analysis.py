@@ -12,7 +12,6 @@ from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, LockChoices, PayloadRange
 from asmc_pin.condition.domain.joint_box import BoxLike
-from asmc_pin.condition.premises import worst_keys
 from asmc_pin.errors import ParameterError
 from asmc_pin.sampled.critical_points import critical_set
 from asmc_pin.sampled.frozen_arms import FrozenArms, frozen_arms
@@ -21,13 +20,13 @@ from asmc_pin.sampled.noise.sensor_model import LoopSensor
 from asmc_pin.sampled.noise.sensor_noise import LoopNoise, loop_noise
 from asmc_pin.sampled.remedies import remedy
 from asmc_pin.sampled.sampled_loop import Acceleration, Pairing, SampledLoop, positive_per_joint
-from asmc_pin.sampled.stability_report import StabilityReport, WorstFound, angles
+from asmc_pin.sampled.stability_report import StabilityReport, WorstFound
 from asmc_pin.sampled.workspace_worst import Workspace, workspace_of
-from asmc_pin.words.text import printable
 from asmc_pin.words.units import check_delay, check_period
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
+    from asmc_pin.controllers import TdeLaw
 
 SAMPLES = 2048
 """Configurations before the local search."""
@@ -45,6 +44,7 @@ def stability(
     delay: float = 0.0,
     sensor: LoopSensor | None = None,
     pairing: Pairing = "matched",
+    law: TdeLaw | None = None,
     viscous: ArrayLike | None = None,
     box: BoxLike = None,
     payload: PayloadRange = None,
@@ -67,6 +67,8 @@ def stability(
         delay: Transport delay of the torque, periods; see docs/stability.md.
         sensor: What the drives report, see `loop_sensor`; the truth by default.
         pairing: Torque that goes with the estimate; see `SampledLoop`.
+        law: A law that is linear, at least near its set point, in the place of PPC; with M̄, K_s, β and L as given here,
+            and its own estimate of q̈(t−L).
         viscous: Viscous friction to include, a scalar or nv values, N·m·s/rad; none by default, the careful choice.
         box: Joint box; the arm's own by default.
         payload: As for `verify`: one, or the ends of a range.
@@ -82,7 +84,7 @@ def stability(
     """
     arms = frozen_arms(arm, box, payload=payload, armature=armature, lock=lock)
     timing: dict[str, Any] = {"acceleration": acceleration, "filter_hz": filter_hz, "delay": delay, "pairing": pairing}
-    timing |= {} if sensor is None else sensor.timing
+    timing |= {"law": law, **({} if sensor is None else sensor.timing)}
     loop = loop_for(arms.arm, mbar, ks, beta, period, **timing)
     friction = None if viscous is None else _viscous(viscous, arms.nv)
     return examine(spaces_of(arms, samples=samples, seed=seed, viscous=friction), loop, limits=limits, sensor=sensor)
@@ -154,16 +156,8 @@ def spaces_of(arms: FrozenArms, *, samples: int, seed: int, viscous: Array | Non
 
 
 def _found(arms: FrozenArms, radius: float, point: Array) -> WorstFound:
-    about = arms.about
-    where = worst_keys(about, arms.arm_of(point), arms.armature(point))
-    said = []
-    if about.payload is not None and isinstance(about.payload.mass, tuple):
-        said.append(f"payload {where['worst_payload']['mass']:.3g} kg")
-    if any(isinstance(value, tuple) for value in about.armature):
-        said.append(f"armature {angles(arms.armature(point))} kg·m²")
-    if "worst_locked" in where:
-        said.append(", ".join(f"{printable(name)} at {angle:g}" for name, angle in where["worst_locked"].items()))
-    return WorstFound(radius, arms.q(point), where, f" ({', '.join(said)})" if said else "")
+    where, said = arms.place(point)
+    return WorstFound(radius, arms.q(point), where, f" ({said})" if said else "")
 
 
 def loop_for(arm: Arm, mbar: ArrayLike, ks: ArrayLike, beta: ArrayLike, period: float, **timing: Any) -> SampledLoop:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import get_args
+from functools import cached_property
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
+from asmc_pin.controllers import TdeLaw, parameters_of
+from asmc_pin.controllers.linear_form import LinearForm, linear_form
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Acceleration as Acceleration
 from asmc_pin.words.choices import Pairing as Pairing
@@ -38,6 +41,8 @@ class SampledLoop:
         reading_delay: Age of the readings of q and v when the law gets them, periods, fractions allowed.
         pairing: The torque that goes with the estimate: "last", "mean" of the last two, or the "matched" one: the mean
             where the estimate is a second difference of readings.
+        law: A law that is linear, whose loop it is in the place of PPC's; None for PPC. Its M̄, K_s, β and period are
+            those of the loop, and so `acceleration`, `filter_hz` and `pairing` say nothing then.
 
     Raises:
         ParameterError: a value has a wrong size, sign, or is not finite.
@@ -54,6 +59,7 @@ class SampledLoop:
     velocity_filter_hz: float | None = None
     reading_delay: float = 0.0
     pairing: Pairing = "matched"
+    law: Any = None
     nv: int = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -78,6 +84,20 @@ class SampledLoop:
             if not (_is_number(getattr(self, name)) and getattr(self, name) >= 0.0):
                 raise ParameterError(name, f"got {getattr(self, name)!r}; expected a number of periods, 0 or more")
 
+        if self.law is not None and linear_form(self.law, self.nv) is None:
+            raise ParameterError(
+                "law",
+                f"{type(self.law).__name__} is not linear near its set point, it switches; of its loop only that of "
+                "PPC can be analysed, which is what stands there without a law",
+            )
+
+    @cached_property
+    def form(self) -> LinearForm:
+        """The law with the loop's M̄, K_s, β and period, as a linear system."""
+        form = linear_form(self.law.with_loop(self.mbar, self.ks, self.beta, self.period), self.nv)
+        assert form is not None
+        return form
+
     def words(self) -> str:
         """All of it for a person to read."""
 
@@ -88,7 +108,7 @@ class SampledLoop:
         return (
             f"M̄ = {listed(self.mbar)} kg·m², K_s = {listed(self.ks)} 1/s, β = {beta} 1/s, L = {self.period:g} s, "
             f"{self.timing_words()}"
-        )
+        ) + ("" if self.law is None else f", law {type(self.law).__name__} ({settings_words(self.law)})")
 
     def timing_words(self) -> str:
         """What it makes of its sensor, and its delay, for a person to read."""
@@ -148,6 +168,8 @@ class SampledLoop:
         """
         if self.velocity != "difference" or self.averages_torque or self.reading_delay % 1.0 != 0.0:
             return math.inf
+        if self.law is not None:  # its own map says it, as far as rounding lets it
+            return math.inf
         after = (1.0 - self.delay) % 2.0
         return 0.0 if min(after, 2.0 - after) < _SAME_DELAY else after
 
@@ -164,7 +186,8 @@ class SampledLoop:
     @property
     def modal(self) -> bool:
         """Whether one mode at a time suffices: K_s and β are multiples of the identity."""
-        return bool(np.all(self.ks == self.ks[0]) and np.all(self.beta == self.beta[0]))
+        alike = np.all(self.ks == self.ks[0]) and np.all(self.beta == self.beta[0])
+        return bool(alike and self.law is None)
 
     @property
     def mode(self) -> SampledLoop:
@@ -183,6 +206,18 @@ def positive_per_joint(name: str, value: ArrayLike, nv: int, unit: str) -> Array
         raise ParameterError(name, f"got {spread.tolist()}; every value must be finite and positive ({unit})")
     spread.flags.writeable = False
     return spread
+
+
+def law_settings(law: Any) -> dict[str, Any]:
+    """A law's own parameters, as JSON takes them."""
+    own = [name for name in parameters_of(type(law)) if name not in parameters_of(TdeLaw)]
+    values = {name: getattr(law, name) for name in own}
+    return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values.items()}
+
+
+def settings_words(law: Any) -> str:
+    """The same in a row."""
+    return ", ".join(f"{name} = {value}" for name, value in law_settings(law).items() if value is not None) or "none"
 
 
 def _share(corner: float | None, period: float) -> float:

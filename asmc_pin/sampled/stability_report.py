@@ -12,7 +12,7 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.sampled.loop_limits import DELAY_SPAN, LoopLimits
 from asmc_pin.sampled.noise.sensor_noise import NOISE_KEYS, LoopNoise
-from asmc_pin.sampled.sampled_loop import SampledLoop
+from asmc_pin.sampled.sampled_loop import SampledLoop, law_settings
 from asmc_pin.words.shown import Cells, Shown
 from asmc_pin.words.text import printable, rounded_down, rounded_up
 
@@ -138,6 +138,7 @@ class StabilityReport(Shown):
             "velocity_filter_hz": loop.velocity_filter_hz,
             "reading_delay": loop.reading_delay,
             "pairing": "mean" if loop.averages_torque else "last",
+            "law": None if loop.law is None else {"name": type(loop.law).__name__, **law_settings(loop.law)},
             **(dict.fromkeys(NOISE_KEYS) if self.noise is None else self.noise.to_json_dict()),
             "verdict": self.verdict,
             "kind": self.kind,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import json
 import math
-import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -14,13 +13,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
 from asmc_pin.arms.frame_kinematics import FrameKinematics
 from asmc_pin.baselines import shown_label
 from asmc_pin.clock import Clock
 from asmc_pin.controllers import Controller
 from asmc_pin.engine import Rollout, rollout
-from asmc_pin.errors import AsmcPinError, ExperimentError, ParameterError
+from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment import Experiment
 from asmc_pin.pages.comparison_figures import draw_figures
 from asmc_pin.pages.latex_table import latex_table
@@ -31,15 +31,21 @@ from asmc_pin.results.extra_signals import add_signals
 from asmc_pin.results.provenance import provenance
 from asmc_pin.study.comparison import Comparison, summary_rows
 from asmc_pin.study.comparison_notes import after_the_run, before_the_run, lemma1_along
+from asmc_pin.study.ensemble import Ensemble, add_bands, bands, check_size, first_trial, starts
+from asmc_pin.study.law_faults import told_of_its_law
 from asmc_pin.study.refinement import Refinement, refinement
 from asmc_pin.study.run_monitors import judge_theorems
 from asmc_pin.study.summary_text import summary_markdown
 from asmc_pin.study.tool_rows import add_tool_columns, add_tool_error
 from asmc_pin.tool_error import ToolError, tool_error
+from asmc_pin.tool_path import tool_path
 from asmc_pin.words.text import printable
 
 Progress = Callable[[str, float], None]
 """Told what is being done, and which share of all is done, 0 to 1."""
+
+Each = Callable[[str, Rollout], None]
+"""Shown all trials of a controller before they are let go."""
 
 _SIMULATION = 0.8  # of the time, roughly; the rest is writing and drawing
 
@@ -51,8 +57,13 @@ def compare(
     progress: Progress | None = None,
     warn: Callable[[str], None] | None = None,
     refine: bool = False,
+    each: Each | None = None,
 ) -> Comparison:
     """Run every controller of an experiment on the same plant and write the result.
+
+    Each runs in as many trials as ``[ensemble]`` says, in lockstep, from starts that all controllers share. Every
+    figure is given by its median and its 5 % and 95 % quantiles; trajectories, figures and theorems are those of
+    trial 0, which starts where the experiment says.
 
     The same experiment gives bitwise the same files on the same machine, but for ``provenance.json``.
 
@@ -64,6 +75,7 @@ def compare(
         warn: Called with every warning as soon as it is known, which for most is before anything is run; all of them
             are in the comparison too.
         refine: Whether to run everything again with half the step, and to say how far each metric moves.
+        each: Called with the label and all trials of each controller, of which the comparison keeps the first alone.
 
     Returns:
         The comparison. A law that diverged has status ``"diverged"`` in it; that is no error.
@@ -75,6 +87,7 @@ def compare(
     """
     folder = Path(out) if out is not None else Path("results") / experiment.name
     result_folder.check_target(folder, force)
+    check_size(experiment)
     tell = progress or (lambda _what, _share: None)
     say = warn or (lambda _line: None)
     tell("loading", 0.0)
@@ -90,14 +103,15 @@ def compare(
 
     shown = {label: shown_label(label, law) for label, law in laws.items()}
     share = 1.0 / 3.0 if refine else 1.0  # half the step takes twice the time
-    runs, seconds = _runs(experiment, plant, laws, shown, lambda what, done: tell(what, share * done))
-    rows, tool = _rows(experiment, arm, runs, shown)
-    after = after_the_run({shown[label]: run for label, run in runs.items()})
+    found = _ensembles(experiment, plant, laws, shown, lambda what, done: tell(what, share * done), each)
+    runs = {label: item.first for label, item in found.items()}
+    rows = pd.concat([item.rows for item in found.values()], ignore_index=True)
+    after = [line for label, item in found.items() for line in after_the_run(shown[label], item)]
     refined = None
     if refine:
         refined = _refined(experiment, rows, shown, lambda what, done: tell(what, share + (_SIMULATION - share) * done))
         after += refined.warnings()
-        rows = rows.join(refined.columns())
+        rows = rows.join(refined.columns(rows))
     for line in after:
         warnings.append(line)
         say(line)
@@ -116,30 +130,48 @@ def compare(
         lemma1=lemma1,
         theorems=judge_theorems(plant, runs, laws, shown),
         refinement=refined,
-        tool=tool,
+        tool={label: item.tool for label, item in found.items() if item.tool is not None},
     )
     add_signals(comparison.dataset, plant, list(runs.values()))
+    add_bands(comparison.dataset, {shown[label]: item.bands for label, item in found.items()})
     add_tool_error(comparison.dataset, list(comparison.tool.values()))
     # For who reads the result back: the report, and a person with the trajectories alone.
     comparison.dataset.attrs |= {"warnings": "\n".join(warnings), "notes": "\n".join(comparison.notes)}
     with result_folder.whole_or_not_at_all(folder, force) as made:
-        lost = _write(comparison, plant, made, started, seconds, tell)
+        lost = _write(comparison, plant, made, started, {label: item.seconds for label, item in found.items()}, tell)
     for line in lost:
         say(line)
     tell("done", 1.0)
     return replace(comparison, warnings=(*comparison.warnings, *lost))
 
 
-def _runs(
-    experiment: Experiment, plant: Plant, laws: Mapping[str, Controller], shown: Mapping[str, str], tell: Progress
-) -> tuple[dict[str, Rollout], dict[str, float]]:
-    """Every law's run, and the seconds that it took, by label."""
-    runs, seconds = {}, {}
+def _ensembles(
+    experiment: Experiment,
+    plant: Plant,
+    laws: Mapping[str, Controller],
+    shown: Mapping[str, str],
+    tell: Progress,
+    each: Each | None = None,
+) -> dict[str, Ensemble]:
+    """What is kept of every law's trials, by label."""
+    found, q0 = {}, starts(experiment)
     for i, (label, law) in enumerate(laws.items()):
         clock = Clock()
-        runs[label] = _run(experiment, plant, label, law, _part(tell, shown[label], i, len(laws)))
-        seconds[label] = clock.seconds()
-    return runs, seconds
+        run = _run(experiment, plant, label, law, q0, _part(tell, shown[label], i, len(laws)))
+        if each is not None:
+            each(label, run)
+        found[label] = _measured(experiment, plant.arm, label, shown[label], run, clock.seconds())
+    return found
+
+
+def _measured(experiment: Experiment, arm: Arm, label: str, shown: str, run: Rollout, seconds: float) -> Ensemble:
+    """The rows of all trials, and the trajectories of the first."""
+    rows, tool = summary_rows(experiment, arm, {label: run}, {label: shown}), None
+    if experiment.metrics.tool is not None:
+        error = tool_error(arm, run, experiment.metrics.tool)
+        add_tool_columns(rows, error, tool_path(arm, run, experiment.metrics.tool))
+        tool = ToolError(error.frame, error.position[:1], error.rotation[:1])
+    return Ensemble(rows, first_trial(run), bands(run), seconds, run.warnings, tool)
 
 
 def _refined(experiment: Experiment, rows: pd.DataFrame, shown: Mapping[str, str], tell: Progress) -> Refinement:
@@ -148,8 +180,9 @@ def _refined(experiment: Experiment, rows: pd.DataFrame, shown: Mapping[str, str
     finer = experiment.with_plant(substeps=2 * substeps)
     plant, laws = finer.build_plant(), finer.build_controllers()
     again = {label: f"{name}, half the step" for label, name in shown.items()}
-    runs, _ = _runs(finer, plant, laws, again, lambda what, done: tell(what, done / _SIMULATION))
-    return refinement(rows, _rows(finer, plant.arm, runs, shown)[0], substeps)
+    found = _ensembles(finer, plant, laws, again, lambda what, done: tell(what, done / _SIMULATION))
+    told = pd.concat([item.rows for item in found.values()], ignore_index=True)
+    return refinement(rows, told.assign(controller=rows.controller), substeps)
 
 
 def _check_tool(experiment: Experiment, arm: Arm) -> None:
@@ -161,47 +194,33 @@ def _check_tool(experiment: Experiment, arm: Arm) -> None:
             raise ExperimentError("metrics.tool", str(error).removeprefix("frame: ")) from None
 
 
-def _rows(
-    experiment: Experiment, arm: Arm, runs: Mapping[str, Rollout], shown: Mapping[str, str]
-) -> tuple[pd.DataFrame, dict[str, ToolError]]:
-    """The summary, and the error of the tool by label if the experiment names one."""
-    rows, tool = summary_rows(experiment, arm, runs, shown), experiment.metrics.tool
-    errors = {} if tool is None else {label: tool_error(arm, run, tool) for label, run in runs.items()}
-    add_tool_columns(rows, {shown[label]: error for label, error in errors.items()})
-    return rows, errors
-
-
 def _part(tell: Progress, label: str, index: int, count: int) -> Callable[[int, int], None]:
     tell(label, _SIMULATION * index / count)
     return lambda done, total: tell(label, _SIMULATION * (index + done / total) / count)
 
 
 def _run(
-    experiment: Experiment, plant: Plant, label: str, law: Controller, progress: Callable[[int, int], None]
+    experiment: Experiment,
+    plant: Plant,
+    label: str,
+    law: Controller,
+    q0: Array,
+    progress: Callable[[int, int], None],
 ) -> Rollout:
-    world = experiment.plant
-    try:
+    trials = len(q0)
+    with told_of_its_law(experiment, label):
         return rollout(
             plant,
             law,
             experiment.build_reference(),
             experiment.duration,
             period=experiment.period,
-            q0=world.q0,
-            v0=world.v0,
+            batch=trials,
+            q0=q0,
+            v0=experiment.plant.v0,
             progress=progress,
+            trials=[0] * trials,  # one plant, and one noise of its sensors
         )
-    except AsmcPinError as error:
-        raise ExperimentError(f"controllers.{label}", str(error)) from error
-    except (Exception, SystemExit) as error:
-        name = experiment.controllers[label]["law"]
-        if ":" not in name:
-            raise
-        where = traceback.extract_tb(error.__traceback__)[-1]
-        raise ExperimentError(
-            f"controllers.{label}",
-            f"the law '{name}' raised {type(error).__name__}: {error} ({where.filename}, line {where.lineno})",
-        ) from error
 
 
 def _write(
@@ -225,6 +244,8 @@ def _write(
     latex = "\n".join([latex_table(rows), theorems_latex(comparison.theorems.claims, comparison.about.title)])
     (folder / "summary.tex").write_text(latex, encoding="utf-8")
     comparison.theorems.write(folder)
+    if arm.provisos:
+        (folder / result_folder.EXPANDED).write_text(arm.urdf_text, encoding="utf-8")
     figures = folder / "figures"
     tell("figures", _SIMULATION + 0.03)
     lost = _drawn("figures", lambda: draw_figures(comparison.dataset, figures, np.asarray(plant.effort_limit)))

@@ -18,13 +18,17 @@ from asmc_pin.condition.premises import premises_along
 from asmc_pin.engine import Rollout
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS, evaluate
-from asmc_pin.pages.summary_tables import Table, overview
+from asmc_pin.pages.summary_tables import overview
+from asmc_pin.pages.tables.text_table import Table
 from asmc_pin.pages.theorem_tables import theorem_lines
 from asmc_pin.plant import moving_arms
 from asmc_pin.references import SolvedPath
+from asmc_pin.results.ensemble_summary import failures, figures_by_trial, paired
+from asmc_pin.statistics.order_statistics import spread_of
 from asmc_pin.study.comparison_notes import Lemma1Range, lemma1_lines, phase_lines
 from asmc_pin.study.refinement import Refinement
 from asmc_pin.study.run_monitors import Theorems
+from asmc_pin.study.sensitivity_notes import sensitivity_lines, torque_rate_lines
 from asmc_pin.study.tool_rows import tool_figures
 from asmc_pin.tool_error import ToolError
 from asmc_pin.words.shown import Cells, Shown
@@ -39,12 +43,13 @@ class Comparison(Shown):
         arm: The arm.
         out: Folder of the result.
         rows: One row for each controller, trial and joint; metrics in SI units, NaN where not defined.
-        dataset: Trajectories; dimensions controller, trial, time, joint; units as attributes.
+        dataset: Trajectories of the first trial, and the bands of all; dimensions controller, trial, time, joint;
+            units as attributes.
         warnings: What a user ought to be told, in plain words.
         lemma1: ‖I − M⁻¹M̄‖₂ along the reference, in every phase, for each label whose law has an M̄.
-        theorems: The paper's claims, held against the runs.
+        theorems: The paper's claims, held against the first trial.
         refinement: How far the metrics move with half the step, if that was asked for.
-        tool: Error of the tool frame by label, if the experiment names one.
+        tool: Error of the tool frame in the first trial by label, if the experiment names one.
     """
 
     experiment: Experiment
@@ -66,6 +71,7 @@ class Comparison(Shown):
         refined = [] if self.refinement is None else self.refinement.notes()
         moving = moving_arms(self.experiment.build_plant(), self.experiment.period, self.experiment.duration)
         told = phase_lines(moving) + lemma1_lines(self.lemma1)
+        told += sensitivity_lines(self.experiment, self.rows) + torque_rate_lines(self.experiment, self.rows)
         return told + theorem_lines(self.theorems.claims) + solved + refined
 
     @property
@@ -84,7 +90,7 @@ class Comparison(Shown):
     def table(self) -> Cells:
         """The overview."""
         shown = self.overview()
-        return shown.header, shown.rows
+        return shown.header, shown.texts()
 
     def remarks(self) -> list[str]:
         """What to know about the figures, and where the rest lies."""
@@ -99,25 +105,29 @@ class Comparison(Shown):
     def to_json_dict(self) -> dict[str, Any]:
         """What ``compare --json`` prints: valid JSON, null where a figure is not defined.
 
-        Errors are in the `error_units` of their joint, the rest in SI; lists have one value for each joint, of the
-        first trial.
+        Errors are in the `error_units` of their joint, the rest in SI; lists have one value for each joint: the median
+        over the trials, and under ``…_low`` and ``…_high`` their 5 % and 95 % quantiles.
         """
         prismatic = [kind == "prismatic" for kind in self.arm.joint_kinds]
-        first = self.rows[self.rows.trial == self.rows.trial.iloc[0]]
+        degrees = np.where(prismatic, 1e3, 180.0 / math.pi)
         controllers = {}
         # In the file's order, and under the file's labels: a label as shown may carry a mark.
-        for label, (_, rows) in zip(self.experiment.controllers, first.groupby("controller", sort=False), strict=True):
+        for label, (_, rows) in zip(
+            self.experiment.controllers, self.rows.groupby("controller", sort=False), strict=True
+        ):
+            failed = int(failures(rows).sum())
             figures: dict[str, Any] = {
                 "law": rows.law.iloc[0],
                 "knows_model": bool(rows.knows_model.iloc[0]),
-                "status": rows.status.iloc[0],
-                "end_time": float(rows.end_time.iloc[0]),
+                "status": "diverged" if failed else "ok",
+                "failed": failed,
+                "end_time": float(rows.end_time.min()),
             }
             for name, metric in METRICS.items():
-                values = rows[name].to_numpy()
-                if metric.quantity == "position":
-                    values = values * np.where(prismatic, 1e3, 180.0 / math.pi)
-                figures[name] = [float(x) if math.isfinite(x) else None for x in values]
+                spread = spread_of(figures_by_trial(rows, name)[0])
+                factor = degrees if metric.quantity == "position" else 1.0
+                for end, values in (("", spread.median), ("_low", spread.low), ("_high", spread.high)):
+                    figures[name + end] = [float(x) if math.isfinite(x) else None for x in factor * values]
             if label in self.lemma1:
                 item = self.lemma1[label]
                 figures["lemma1_along_reference"] = [item.lower, item.upper]
@@ -126,9 +136,9 @@ class Comparison(Shown):
                 figures["lemma1_parts"] = [part.to_json_dict() for part in item.parts]
             figures["theorems"] = self.theorems.of_first_trial(str(rows.controller.iloc[0]))
             if label in self.tool:
-                figures["tool"] = tool_figures(self.tool[label])
+                figures["tool"] = tool_figures(rows)
             if self.refinement is not None:
-                figures["refinement"] = self.refinement.of_first_trial(str(rows.controller.iloc[0]))
+                figures["refinement"] = self.refinement.of_controller(str(rows.controller.iloc[0]))
             controllers[label] = figures
         return {
             "arm": self.arm.name,
@@ -136,7 +146,10 @@ class Comparison(Shown):
             "experiment": self.experiment.name,
             "joints": list(self.arm.joint_names),
             "error_units": ["mm" if item else "deg" for item in prismatic],
+            "trials": int(self.rows.trial.nunique()),
+            "q0_deviation": self.experiment.ensemble.q0_deviation,
             "controllers": controllers,
+            "comparisons": [item.to_json_dict() for item in paired(self.rows)],
             "warnings": list(self.warnings),
         }
 

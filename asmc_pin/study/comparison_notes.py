@@ -13,12 +13,13 @@ from asmc_pin.condition.hypotheses import Hypotheses
 from asmc_pin.condition.norm.two_conditions import lemma1_norm
 from asmc_pin.condition.premises import hypotheses_on, premises_along
 from asmc_pin.controllers import Controller, Setpoint
-from asmc_pin.engine import Rollout
 from asmc_pin.experiment import Experiment
 from asmc_pin.plant import MovingArm, Plant
 from asmc_pin.references import check_reference
+from asmc_pin.results.ensemble_summary import ends, failures
 from asmc_pin.sampled.gain_warnings import gain_warnings
 from asmc_pin.sampled.noise.noise_warnings import noise_warnings
+from asmc_pin.study.ensemble import Ensemble
 from asmc_pin.study.plant_sensor import sensor_of_plant
 from asmc_pin.words.remedy_texts import MBAR_REMEDY
 
@@ -192,21 +193,23 @@ def before_the_run(
     weakest = np.atleast_2d(
         np.broadcast_to(plant.effort_limit, np.broadcast_shapes(np.shape(plant.effort_limit), (plant.nv,)))
     )
-    return lines + noise_warnings(
-        plant.arm, laws, sensor, experiment.period, delay=delay, effort_limit=weakest.min(axis=0)
-    )
+    return lines + noise_warnings(arms, laws, sensor, experiment.period, delay=delay, effort_limit=weakest.min(axis=0))
 
 
-def after_the_run(rollouts: Mapping[str, Rollout]) -> list[str]:
-    """Warnings about what happened: laws that diverged, joints that left their limits."""
+def after_the_run(label: str, found: Ensemble) -> list[str]:
+    """Warnings about what happened: trials that diverged, joints that left their limits."""
+    failed, ended = failures(found.rows)[0], ends(found.rows)[0]
     lines = []
-    for label, run in rollouts.items():
-        for trial, status in enumerate(run.status):
-            if status != "ok":
-                where = f" in trial {trial}" if len(run.status) > 1 else ""
-                lines.append(f"{label} diverged{where} at t = {run.end_time[trial]:.3f} s; it has no metrics")
-        lines += [f"{label}: {line}" for line in run.warnings]
-    return lines
+    if failed.any():
+        first = f"t = {ended[failed].min():.3f} s"
+        if len(failed) == 1:
+            lines.append(f"{label} diverged at {first}; it has no metrics")
+        else:
+            lines.append(
+                f"{label} diverged in {int(failed.sum())} of {len(failed)} trials, the first at {first}; a trial that "
+                "diverged counts as worse than any figure"
+            )
+    return lines + [f"{label}: {line}" for line in found.warnings]
 
 
 def phase_lines(moving: Sequence[MovingArm]) -> list[str]:

@@ -9,7 +9,10 @@ import numpy as np
 import pandas as pd
 
 from asmc_pin.metrics import METRICS, MOVED
-from asmc_pin.pages.summary_tables import NOTABLE, TOOL, Table
+from asmc_pin.pages.summary_tables import TOOL
+from asmc_pin.pages.tables.text_table import NOTABLE, Table
+from asmc_pin.results.ensemble_summary import failures, figures_by_trial
+from asmc_pin.statistics.order_statistics import spread_of
 
 _JUDGED = [name for name, metric in METRICS.items() if metric.main and metric.best]
 
@@ -20,10 +23,10 @@ class Refinement:
 
     Attributes:
         substeps: Steps in a control period, as run.
-        moved: One row for each controller, trial and joint, columns as of the summary; each metric is how far it moved,
-            refined less as run, in its unit.
+        moved: One row for each controller and joint, columns as of the summary; each metric is how far its median over
+            the trials moved, refined less as run, in its unit.
         relative: The same as a part of the refined figure's magnitude; NaN where that is not defined or 0.
-        finer: The refined figures.
+        finer: The refined medians.
     """
 
     substeps: int
@@ -32,7 +35,7 @@ class Refinement:
     finer: pd.DataFrame
 
     def worst(self, controller: str, metric: str) -> float:
-        """Largest relative move of a metric of a controller over its trials and joints; NaN if none is defined."""
+        """Largest relative move of a metric of a controller over its joints; NaN if none is defined."""
         values = np.abs(self.relative.loc[self.relative.controller == controller, metric].to_numpy())
         values = values[np.isfinite(values)]
         return float(values.max()) if values.size else math.nan
@@ -57,13 +60,12 @@ class Refinement:
                 lines.append(
                     f"{controller}: half the step moves {', '.join(told)}; take more than {self.substeps} substeps"
                 )
-        broken = self.moved.status != self.finer.status
-        changed = self.moved.controller[broken].unique()
+        changed = self.moved.controller[self.moved.failed != self.finer.failed].unique()
         lines += [f"{name}: half the step changes whether it diverges; take more substeps" for name in changed]
         return lines + self._turned()
 
     def _turned(self) -> list[str]:
-        coarse = self.finer[["controller", "joint", "trial"]].assign(x=self.finer.rms_error - self.moved.rms_error)
+        coarse = self.finer[["controller", "joint"]].assign(x=self.finer.rms_error - self.moved.rms_error)
         fine = coarse.assign(x=self.finer.rms_error)
         joints = [
             str(joint)
@@ -73,9 +75,10 @@ class Refinement:
         text = f"half the step changes the ranking by RMS tracking error at {', '.join(joints)}; take more substeps"
         return [text] if joints else []
 
-    def columns(self) -> pd.DataFrame:
-        """The relative moves as columns for the summary, so that a figure that is not converged says so."""
-        return self.relative[list(METRICS)].add_prefix(MOVED)
+    def columns(self, rows: pd.DataFrame) -> pd.DataFrame:
+        """The relative moves as columns for the summary's rows, so that a figure that is not converged says so."""
+        moves = self.relative.set_index(["controller", "joint"])[list(METRICS)].add_prefix(MOVED)
+        return moves.loc[list(zip(rows.controller, rows.joint, strict=True))].reset_index(drop=True)
 
     def table(self) -> Table:
         """Largest relative move of every metric, one row for each controller."""
@@ -89,10 +92,9 @@ class Refinement:
         title = f"How far the metrics move from {self.substeps} to {2 * self.substeps} substeps"
         return Table(title, ["controller", *(titles[name] for name in names)], rows)
 
-    def of_first_trial(self, controller: str) -> dict[str, list[float | None]]:
-        """Relative moves of a controller by metric, one for each joint of its first trial; null where not defined."""
+    def of_controller(self, controller: str) -> dict[str, list[float | None]]:
+        """Relative moves of a controller by metric, one for each joint; null where not defined."""
         rows = self.relative[self.relative.controller == controller]
-        rows = rows[rows.trial == rows.trial.iloc[0]]
         return {name: [float(x) if math.isfinite(x) else None for x in rows[name]] for name in METRICS}
 
 
@@ -104,6 +106,7 @@ def refinement(rows: pd.DataFrame, finer: pd.DataFrame, substeps: int) -> Refine
         finer: With twice the substeps; the same controllers, trials and joints in the same order.
         substeps: Steps in a control period, as run.
     """
+    rows, finer = _medians(rows), _medians(finer)
     moved, relative = rows.copy(), rows.copy()
     for name in (*METRICS, *(name for name in TOOL if name in rows)):
         difference = finer[name].to_numpy() - rows[name].to_numpy()
@@ -112,6 +115,20 @@ def refinement(rows: pd.DataFrame, finer: pd.DataFrame, substeps: int) -> Refine
         relative[name] = np.divide(difference, size, out=np.full(size.shape, np.nan), where=size > 0.0)
         relative.loc[(difference == 0.0) & (size == 0.0), name] = 0.0
     return Refinement(substeps, moved, relative, finer)
+
+
+def _medians(rows: pd.DataFrame) -> pd.DataFrame:
+    """The median over the trials in the place of each figure, one row for each controller and joint; NaN if infinite.
+
+    A single trial may sit beside what it would be with another last digit of its start; the median does so far less.
+    """
+    first = rows[rows.trial == rows.trial.iloc[0]].reset_index(drop=True)
+    failed = failures(rows).sum(axis=1)
+    names = [*METRICS, *(name for name in TOOL if name in rows)]
+    medians = {name: spread_of(np.moveaxis(figures_by_trial(rows, name), 1, 0)).median.ravel() for name in names}
+    told = {name: np.where(np.isfinite(values), values, np.nan) for name, values in medians.items()}
+    found: pd.DataFrame = first.assign(**told, failed=np.repeat(failed, rows.joint.nunique()))
+    return found
 
 
 def _ranking(rows: pd.DataFrame) -> list[str]:

@@ -48,11 +48,11 @@ class Stacked(CompiledLaw):
             values = [getattr(law, name) for law in self.laws if type(law) is type(first)]
             if len(values) < len(self.laws):
                 raise ParameterError("laws", "are of several classes; stack settings of one law")
-            if isinstance(item, PerJoint):
+            if isinstance(item, PerJoint) and all(value is not None for value in values):
                 kept[name] = np.array(values)
             elif name != "period" and (isinstance(item, Scalar) or _numbers(item, values)):
                 kept[name] = np.array(values)[:, None]
-            elif any(value != values[0] for value in values):
+            elif any(value is not values[0] and np.any(value != values[0]) for value in values):
                 raise ParameterError(name, f"differs between the laws ({values}); only numbers can be stacked")
         vars(stacked).clear()
         vars(stacked).update(kept)

@@ -21,7 +21,7 @@ _EXTENSION = {"Int8Array": 0x11, "Uint8Array": 0x12, "Int16Array": 0x13, "Uint16
 _STEPS = 32767
 
 
-def mesh_command(path: str, mesh: Shaded) -> str:
+def mesh_command(path: str, mesh: Shaded, opacity: float = 1.0) -> str:
     """The command that puts a mesh at a path of the scene, packed for Meshcat and encoded in base64.
 
     Positions are rounded to 1/32767 of the mesh's reach, normals and colours to one byte: a fraction of
@@ -30,6 +30,7 @@ def mesh_command(path: str, mesh: Shaded) -> str:
     Args:
         path: Path below the arm, with slashes.
         mesh: What to draw, in the frame at that path.
+        opacity: 1 where nothing behind it is seen.
     """
     # Meshcat's modules pull in its server's libraries (IPython, zmq), so that the import waits until a page is made.
     import umsgpack
@@ -39,6 +40,8 @@ def mesh_command(path: str, mesh: Shaded) -> str:
 
     reach = float(np.abs(mesh.vertices).max(initial=1e-9))
     material = MeshPhongMaterial(color=0xFFFFFF, vertexColors=True, reflectivity=0.3, shininess=28, specular=0x2A2A2A)
+    if opacity < 1.0:
+        material.opacity, material.transparent = opacity, True
     drawn = Mesh(_Packed(mesh, reach / _STEPS), material)
     drawn.uuid, drawn.geometry.uuid, material.uuid = (
         str(uuid.uuid5(_NAMESPACE, f"{path}#{part}")) for part in ("object", "geometry", "material")

@@ -69,6 +69,7 @@ def describe(
     grid = np.linspace(0.0, duration, max(2, min(round(duration * fps), FRAMES) + 1)) if duration > 0 else time[:1]
     frames = [_resample(time, motion.q, grid) for motion in motions]
     wanted = None if reference is None else _resample(time, reference, grid)
+    drawn = (*arm.bodies, *arm.marks)
     around = stage(arm, [*frames, *([] if wanted is None else [wanted])])
     return {
         "arm": {
@@ -77,21 +78,22 @@ def describe(
                 {
                     "parent": body.parent,
                     "joint": body.joint,
+                    "ratio": body.ratio,
+                    "offset": body.offset,
                     "prismatic": body.prismatic,
                     "axis": _rounded(body.axis),
                     "placement": _rounded(body.placement.T),
                 }
-                for body in arm.bodies
+                for body in drawn
             ],
             "upright": _rounded(arm.upright.T),
             "tip": {"body": arm.tip[0], "point": _rounded(arm.tip[1])},
         },
         "commands": [
-            mesh_command(f"body{k}", body.mesh) if len(body.mesh.faces) else None for k, body in enumerate(arm.bodies)
+            mesh_command(f"body{k}", body.mesh, body.opacity) if len(body.mesh.faces) else None
+            for k, body in enumerate(drawn)
         ],
-        "joints": [
-            {"name": name, "prismatic": body.prismatic} for name, body in zip(joint_names, arm.bodies[1:], strict=True)
-        ],
+        "joints": [{"name": name, "prismatic": slides} for name, slides in zip(joint_names, arm.slides, strict=True)],
         "duration": duration,
         "motions": [
             {

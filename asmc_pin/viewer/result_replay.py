@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -58,7 +59,9 @@ def replay_fragment(result: Result, *, trial: int = 0, embedded: bool = True) ->
     # As many arms as there are controllers, and as many ghosts: what a browser draws stays bounded.
     drawn = draw(arm, min(TRIANGLES, _ALL_TRIANGLES // (2 * dataset.sizes["controller"])))
     notes = list(drawn.notes)
-    if result.provenance.get("arm", {}).get("sha256", arm.sha256) != arm.sha256:
+    then = result.provenance.get("arm", {})
+    now = {"sha256": arm.sha256, "urdf_sha256": hashlib.sha256(arm.urdf_text.encode()).hexdigest()}
+    if any(then.get(key, value) != value for key, value in now.items()):
         notes.append(f"The URDF has changed since the run: {arm.source.name} is drawn as it is now.")
     run = dataset.isel(trial=trial)
     labels = [str(label) for label in run.controller.to_numpy()]

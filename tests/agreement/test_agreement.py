@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from arm_urdf import LIMIT, bodies, inertial, joint, link, robot, trees, two_joints, write
+from coupled_urdf import coupled_tree, gripper, parallelogram
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -97,6 +98,50 @@ def test_a_joint_is_locked_where_it_was_locked(kind: str, tmp_path: Path) -> Non
 
 def test_fingers_that_mimic_a_locked_one_follow_in_both() -> None:
     assert_same(quick(load_arm("panda", lock={"panda_finger_joint1": 0.03, "panda_joint5": -1.1})))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_mimicking_joints_are_the_same_in_mujoco(seed: int, tmp_path: Path) -> None:
+    text = coupled_tree(np.random.default_rng(seed), joints=7, followers=3, chained=True)
+    arm = load_arm(write(tmp_path, text), armature=0.03, payload={**BRICK, "link": "l3"})
+    report = agree(arm, configurations=40, runs=2, duration=0.05)
+    assert max(report.mass_error, report.bias_error, report.motion_error) < 1e-11, report.lines()
+
+
+def test_gripper_and_parallelogram_are_the_same_in_mujoco(tmp_path: Path) -> None:
+    for text in (gripper(), parallelogram()):
+        assert_same(quick(load_arm(write(tmp_path, text), armature=0.01)))
+    assert_same(quick(load_arm("panda", lock={"panda_finger_joint1": "free"})))
+
+
+def test_a_mimic_joint_is_mujocos_coupling_in_the_limit_of_its_stiffness(tmp_path: Path) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    arm = load_arm(write(tmp_path, coupled_tree(np.random.default_rng(1), joints=5, followers=2)))
+    names = list(arm.model.names)[1:]
+    q, v, torque = np.random.default_rng(2).uniform(-1.0, 1.0, (3, arm.nv))
+    ours = arm.forward_dynamics(q, v, torque)
+    apart = []
+    for stiffness in (0.9, 0.99, 0.999, 0.9999):
+        spec = mujoco.MjSpec.from_string(engine_module.dynamics_only(arm.urdf_text))
+        spec.option.gravity = arm.gravity_vector
+        spec.option.tolerance = 0.0
+        for name, mimic in arm.mimics.items():
+            equality = spec.add_equality(type=mujoco.mjtEq.mjEQ_JOINT, name1=name, name2=mimic.joint)
+            equality.objtype = mujoco.mjtObj.mjOBJ_JOINT
+            equality.data[:2] = mimic.offset, mimic.multiplier
+            equality.solimp[:2] = stiffness
+        model = spec.compile()
+        data = mujoco.MjData(model)
+        joints = [model.joint(name) for name in names]
+        data.qpos[[joint.qposadr[0] for joint in joints]] = arm.tree.coupling.joints(q)
+        data.qvel[[joint.dofadr[0] for joint in joints]] = arm.tree.coupling.rates(v)
+        driven = [model.joint(name).dofadr[0] for name in arm.joint_names]
+        data.qfrc_applied[driven] = torque
+        mujoco.mj_forward(model, data)
+        apart.append(np.abs(data.qacc[driven] - ours).max() / np.abs(ours).max())
+    # What a soft constraint gives way falls in proportion to 1 - d.
+    assert np.array(apart[:-1]) / np.array(apart[1:]) == pytest.approx([10.0] * 3, rel=0.2)
+    assert apart[-1] < 1e-3
 
 
 def test_another_arm_is_told_apart_and_the_place_is_named() -> None:

@@ -77,6 +77,44 @@ def test_impossible_payload_is_refused(payload: Any, message: str) -> None:
         load_arm("ur5", payload=payload)
 
 
+def test_mass_at_a_link_is_a_point_at_its_frame() -> None:
+    arm = load_arm("ur5", payload="2@tool0")
+    assert arm.payload == Payload(2.0, link="tool0")
+    assert_same_dynamics(arm, load_arm("ur5", payload={"mass": 2.0, "link": "tool0"}))
+    faults = {"two@tool0": "'two' given, a number expected, kg: 2@tool0", "2@tool": "did you mean 'tool0'"}
+    for text, message in faults.items():
+        with pytest.raises(ParameterError, match=message):
+            load_arm("ur5", payload=text)
+
+
+@pytest.mark.parametrize(
+    ("payload", "says"),
+    [
+        ({"mass": 2.0}, ["a point on the axis of joints 'wrist_2_joint', 'wrist_3_joint', which it does not load"]),
+        ({"mass": 2.0, "com": (0.0, 1e-8, 0.0)}, ["a point on the axis of joints 'wrist_2_joint', 'wrist_3_joint'"]),
+        ({"mass": 2.0, "com": (0.0, 0.1, 0.0)}, ["a point on the axis of joint 'wrist_3_joint'"]),
+        ({"mass": 2.0, "com": (0.01, 0.0, 0.0)}, []),
+        ({"mass": 2.0, "inertia": (1e-3, 0.0, 0.0, 1e-3, 0.0, 1e-3)}, []),
+        (
+            {"mass": 2.0, "link": "wrist_1_link", "com": (0.1, 0.1, 0.1)},
+            ["on link 'wrist_1_link' and does not load joints 'wrist_2_joint', 'wrist_3_joint' beyond it"],
+        ),
+        ({"mass": 0.0}, []),
+    ],
+)
+def test_joints_that_a_payload_cannot_load_are_named(payload: dict[str, Any], says: list[str]) -> None:
+    arm = load_arm("ur5", payload=payload)
+    told = [line for line in arm.warnings if "payload" in line]
+    assert len(told) == len(says)
+    assert all(part in line for part, line in zip(says, told, strict=True))
+    # What is said is so: the joint's own inertia does not change.
+    bare, q = load_arm("ur5"), np.linspace(-1.0, 1.0, 6)
+    added = np.diag(arm.mass_matrix(q) - bare.mass_matrix(q))
+    named = [any(f"'{name}'" in line for line in told) for name in arm.joint_names]
+    if payload["mass"]:
+        assert (added < 1e-11).tolist() == named
+
+
 def test_arm_with_two_ends_asks_which_one_carries(tmp_path: Path) -> None:
     text = two_joints().replace("</robot>", link("left", inertial()) + joint("fork", "upper", "left") + "</robot>")
     path = write(tmp_path, text)
@@ -169,9 +207,10 @@ def test_mimicking_finger_follows_its_locked_twin() -> None:
     assert np.linalg.norm(left - right) == pytest.approx(0.06)
 
 
-def test_freed_finger_that_mimics_is_refused_until_it_is_freed_too() -> None:
-    with pytest.raises(ArmError, match=r"panda_finger_joint2.*mimics joint 'panda_finger_joint1'.*two motors"):
-        load_arm("panda", lock={"panda_finger_joint1": "free"})
+def test_freed_finger_takes_its_twin_along_until_that_is_freed_too() -> None:
+    coupled = load_arm("panda", lock={"panda_finger_joint1": "free"})
+    assert coupled.joint_names[-1] == "panda_finger_joint1"
+    assert list(coupled.mimics) == ["panda_finger_joint2"]
     arm = load_arm("panda", lock={"panda_finger_joint1": "free", "panda_finger_joint2": "free"})
     assert arm.joint_kinds[-2:] == ("prismatic", "prismatic")
     assert any("motor of its own" in warning for warning in arm.warnings)

@@ -21,6 +21,7 @@ EXPERIMENT: dict[str, Any] = {
     "arm": {"source": "two_link", "payload": 1.5},
     "period": 0.002,
     "duration": 0.1,
+    "ensemble": {"trials": 1},
     "plant": {"friction": {"coulomb": 0.0}},
     "reference": {"kind": "multisine", "offset": [-1.2, 0.3], "amplitude": [0.4, 0.6], "frequency": [0.5, 0.7]},
     "defaults": {"mbar": [0.04, 0.03], "ks": 10.0, "beta": 10.0},

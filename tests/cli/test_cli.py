@@ -10,7 +10,7 @@ from short_experiment import SHORT
 
 from asmc_pin.cli import main
 from asmc_pin.cli.commands.study_commands import print_comparison
-from asmc_pin.pages.summary_tables import Table
+from asmc_pin.pages.tables.text_table import Table
 
 UR5 = (
     "0.14832641607830951,0.16745534835366926,0.15042781767398009,"
@@ -126,7 +126,7 @@ def test_what_ends_a_run_from_outside_is_one_message_too(asmc_pin, monkeypatch, 
         raise raised
 
     monkeypatch.setattr("asmc_pin.condition.verify", fail)
-    given, out, err = asmc_pin("verify", "ur5", "--mbar", "0.1")
+    given, out, err = asmc_pin("verify", "ur10", "--mbar", "0.1")  # an arm without doubts that would be told first
     assert (given, out) == (status, "")
     assert err.startswith(f"asmc-pin: {says}")
     assert err.count("\n") == 1
@@ -140,9 +140,9 @@ def test_no_equation_in_the_list_of_laws_is_cut(asmc_pin, monkeypatch):
 
 
 @pytest.mark.parametrize("columns", [40, 80])
-def test_no_scheme_and_no_figure_of_seven_joints_is_cut(capsys, monkeypatch, columns):
+def test_no_controller_and_no_figure_of_seven_joints_is_cut(capsys, monkeypatch, columns):
     monkeypatch.setenv("COLUMNS", str(columns))
-    header = ["scheme", *(f"joint{i}" for i in range(1, 8)), "worst error [deg]", "chatter [N·m/s]"]
+    header = ["controller", *(f"joint{i}" for i in range(1, 8)), "worst error [deg]", "chatter [N·m/s]"]
     rows = [[label, *["0.00123"] * 7, "0.0123", "123"] for label in ("Existing", "Proposed")]
     table = Table("RMS tracking error [deg]", header, rows)
     print_comparison(SimpleNamespace(overview=lambda: table, remarks=list))

@@ -124,6 +124,34 @@ def test_a_loop_that_no_proof_is_made_for_is_searched_and_the_status_is_that_of_
     assert "searched, not proven: velocity: 'difference' given" in out
 
 
+def test_certificate_of_the_gains_goes_to_the_file_and_that_of_mbar_beside_it(asmc_pin, tmp_path):
+    file = tmp_path / "gains.npz"
+    options = ("--gains", "--period", "0.001", "--payload", "0:1", "--certify", "--certificate", str(file), "--json")
+    status, out, err = asmc_pin("design", "two_link", *options)
+    assert status == 0, err
+    gains = json.loads(out)["gains"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["gains-mbar.npz", "gains.npz"]
+    assert err.count("certificate: ") == 2
+    status, out, _ = asmc_pin("check", str(file))
+    assert status == 0
+    assert "stable: the loop frozen at every q of the box" in out
+    assert f"K_s = {gains['ks'][0]!r} I" in out
+    assert f"β = {gains['beta']!r} 1/s" in out
+    assert "0 to 1 kg" in out or "0:1 kg" in out
+    status, out, _ = asmc_pin("check", str(tmp_path / "gains-mbar.npz"))
+    assert status == 0
+    assert "Lemma 1" in out
+
+
+def test_where_no_proof_is_made_for_the_gains_no_file_of_them_is_written_and_it_is_said(asmc_pin, tmp_path):
+    file = tmp_path / "gains.npz"
+    options = ("--gains", "--period", "0.001", "--certify", "--certificate", str(file), "--encoder-bits", "17")
+    status, _, err = asmc_pin("design", "two_link", *options)
+    assert status == 0
+    assert not file.exists()
+    assert f"so no certificate was written to {file}" in err
+
+
 def test_without_certify_no_proof_is_spoken_of_and_the_pid_stands_beside_the_gains(asmc_pin):
     status, out, _ = asmc_pin("design", "two_link", "--gains", "--period", "0.001", "--json")
     assert status == 0

@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from law_settings import required_of
 
 from asmc_pin.controllers import (
     CONTROLLERS,
-    REQUIRED,
     Baek2016,
     Bsmc,
     ParameterInfo,
@@ -29,7 +29,6 @@ from asmc_pin.controllers import (
     TdeLaw,
     controllers_table,
     describe_laws,
-    parameters_of,
     signed,
     sliding_variable,
 )
@@ -293,9 +292,13 @@ def test_baek_gain_is_the_explicit_euler_step_of_its_law(gain: float, s: float, 
 
 def built(name: str, nv: int, **changes: object) -> object:
     """A registered law; what it requires of its own is 0.4, so that a new law is under test once it is registered."""
-    law = CONTROLLERS[name]
-    own = {key: 0.4 for key, item in parameters_of(law).items() if item.default is REQUIRED}
-    return law(**(own | {"mbar": np.linspace(0.1, 0.3, nv), "ks": 3.0, "beta": 2.0, "period": 0.01} | changes))
+    return CONTROLLERS[name](
+        **(
+            required_of(name, 0.4)
+            | {"mbar": np.linspace(0.1, 0.3, nv), "ks": 3.0, "beta": 2.0, "period": 0.01}
+            | changes
+        )
+    )
 
 
 @pytest.mark.parametrize("pairing", ["last", "mean"])
@@ -577,8 +580,8 @@ def test_the_table_lists_every_law_with_its_own_parameters() -> None:
     known = {
         "ppc": [],
         "bsmc": ["gain", "boundary"],
-        "plestan2010": ["rate", "epsilon", "floor"],
-        "baek2016": ["phi", "alpha", "epsilon", "threshold"],
+        "plestan2010": ["rate", "epsilon", "floor", "switching", "share"],
+        "baek2016": ["phi", "alpha", "epsilon", "threshold", "switching", "share"],
     }
     assert {name: own[name] for name in known} == known
     assert all(all(row.values()) for row in controllers_table())

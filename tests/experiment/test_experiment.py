@@ -109,6 +109,7 @@ def test_the_urdfs_friction_and_limits_hold_unless_told_otherwise():
         ("period", True, "period: should be a valid number, got True"),
         ("period", float("nan"), "period: should be"),
         ("duration", -1.0, "duration: should be greater than 0, got -1.0"),
+        ("duration", 2e-8, "duration: 2e-08 s is less than one control period of 0.001 s"),
         ("seed", 1.5, "seed: should be a valid integer, got 1.5"),
         ("name", "a/b", "name: got 'a/b'; expected letters, digits"),
         ("arm", 7, "arm: must be a table, got 7"),
@@ -183,6 +184,7 @@ def test_a_default_that_is_wrong_for_many_laws_is_reported_once():
         ("plant.effort_limit", [1.0, 1.0, 1.0], "build_plant"),
         ("plant.q0", [0.0], "build_plant"),
         ("metrics.settling_band", [0.1, 0.1, 0.1], "metric_settings"),
+        ("metrics.torque_rate_limit", [1e3, 1e3, 1e3], "metric_settings"),
     ],
 )
 def test_a_list_of_the_wrong_length_is_told_the_arms_joints(path, value, build):

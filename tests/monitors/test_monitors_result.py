@@ -22,6 +22,7 @@ EXPERIMENT: dict[str, Any] = {
     "arm": "two_link",
     "period": 0.002,
     "duration": 0.4,
+    "ensemble": {"trials": 1},
     "plant": {"friction": {"coulomb": [2.0, 0.5]}, "effort_limit": [60.0, 15.0]},
     "reference": {"kind": "multisine", "offset": [-1.2, 0.3], "amplitude": [0.4, 0.6], "frequency": [0.5, 0.7]},
     "defaults": {"mbar": [0.04, 0.03], "ks": 8.0, "beta": 8.0},

@@ -1,6 +1,6 @@
 """A pytest plugin that lets one module be imported from another text: that of a mutant.
 
-``MUTANT_OF=asmc_pin/metrics.py MUTANT=changed.py python -m pytest -p mutants.substitute …``
+``MUTANT_OF=asmc_pin/tool_error.py MUTANT=changed.py python -m pytest -p mutants.substitute …``
 """
 
 from __future__ import annotations

@@ -90,7 +90,7 @@ def test_its_figures_are_those_of_the_summary(result: Result, text: Text) -> Non
 
 def test_of_two_laws_that_ran_the_better_is_marked() -> None:
     from asmc_pin.pages.html_fragments import table_html
-    from asmc_pin.pages.summary_tables import Table
+    from asmc_pin.pages.tables.text_table import Table
 
     rows = [["one", "0.5", "2.0", "7"], ["two", "0.25", "–", "6"], ["three", "0.30", "3.0", "5"]]
     table = Table("", ["controller", "a", "b", "c"], rows, [None, "smallest", "largest", None])

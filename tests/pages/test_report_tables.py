@@ -11,19 +11,12 @@ import xarray as xr
 
 from asmc_pin.metrics import METRICS
 from asmc_pin.pages.comparison_figures import FIGURES, draw_figures
-from asmc_pin.pages.curves import running_max, spread, thinned
+from asmc_pin.pages.curves import envelope, running_max, spread, thinned
 from asmc_pin.pages.html_fragments import table_html
 from asmc_pin.pages.latex_table import latex_table
-from asmc_pin.pages.summary_tables import (
-    Table,
-    markdown_table,
-    metric_table,
-    metric_tables_markdown,
-    number,
-    overview,
-    per_joint,
-    short_names,
-)
+from asmc_pin.pages.summary_tables import metric_table, metric_tables_markdown, overview, per_joint, short_names
+from asmc_pin.pages.tables.pair_tables import pair_table
+from asmc_pin.pages.tables.text_table import Table, markdown_table, number
 from asmc_pin.words.media import for_latex
 
 
@@ -118,7 +111,7 @@ def test_every_kind_of_table_marks_the_same_best_figure_as_the_metric_says(name)
     frame = summary(**{name: np.array([1.0, 4.0, 2.0, 3.0])})
     _, _, values = per_joint(frame, name)
     pick = {"smallest": np.min, "largest": np.max, None: None}[METRICS[name].best]
-    expected = [] if pick is None else sorted(number(pick(column)) for column in values.T)
+    expected = [] if pick is None else sorted(number(pick(column)) for column in values[:, 0].T)
     table = metric_table(frame, name)
     assert sorted(marked_by(markdown_table(table), "**", "**")) == expected
     assert sorted(marked_by(table_html(table, {}), '<td class="best">', "</td>")) == expected
@@ -165,10 +158,63 @@ def test_a_figure_that_half_the_step_moves_says_so_where_it_stands_and_is_not_ca
     assert "±" not in str(overview(summary()))
 
 
-def test_several_trials_are_several_rows():
-    frame = pd.concat([summary(), summary().assign(trial=1)])
-    labels = [row[0] for row in metric_table(frame, "rms_error").rows]
-    assert labels == ["PPC, trial 0", "50% | {x}_1, trial 0", "PPC, trial 1", "50% | {x}_1, trial 1"]
+def ensemble(first, second, failed=0, **columns):
+    """A summary of two controllers on one joint, from their figures of each trial; the first fails in its last ones."""
+    one = summary(joints=("j",), kinds=("revolute",))
+    parts = []
+    for k, figures in enumerate((first, second)):
+        for trial, figure in enumerate(figures):
+            gone = k == 0 and trial >= len(figures) - failed
+            row = one.iloc[[k]].assign(trial=trial, rms_error=np.nan if gone else np.radians(figure))
+            parts.append(row.assign(status="diverged", end_time=0.25 + 0.01 * trial) if gone else row)
+    return pd.concat(parts, ignore_index=True).assign(**columns)
+
+
+DRAW = np.linspace(0.9, 1.1, 16)
+
+
+def test_several_trials_are_one_row_with_the_median_and_its_range_in_every_kind_of_table():
+    frame = ensemble(DRAW, 3.0 + 0.0 * DRAW)
+    table = metric_table(frame, "rms_error")
+    assert table.rows == [["PPC", "1.00"], ["50% | {x}_1", "3.00"]]
+    assert table.ranges == {(0, 1): ("0.910", "1.09")}  # where all trials are printed alike there is no range
+    assert "| PPC | **1.00** [0.910 … 1.09] |" in markdown_table(table)
+    assert '<td class="best">1.00<small>0.910 … 1.09</small></td>' in table_html(table, {})
+    assert r"PPC & \textbf{1.00} $_{0.910}^{1.09}$ \\" in latex_table(frame, ["rms_error"])
+    assert table.texts()[0] == ["PPC", "1.00 [0.910 … 1.09]"]
+
+
+def test_over_several_trials_the_best_is_marked_only_where_the_paired_ratio_excludes_one():
+    near = DRAW[::-1] * 1.01
+    assert metric_table(ensemble(DRAW, near), "rms_error").marked() == set()
+    # Smaller by as little, but in each and every trial.
+    assert metric_table(ensemble(DRAW, 1.01 * DRAW), "rms_error").marked() == {(0, 1)}
+    assert metric_table(ensemble(DRAW[:3], 1.01 * DRAW[:3]), "rms_error").marked() == set()  # too few to tell
+    for text in (markdown_table(metric_table(ensemble(DRAW, near), "rms_error")), latex_table(ensemble(DRAW, near))):
+        assert "**" not in text
+        assert "textbf" not in text
+
+
+def test_failures_open_the_range_and_are_counted_and_most_failing_leaves_no_figure():
+    table = overview(ensemble(DRAW[::-1], 3.0 + 0.0 * DRAW, failed=3))  # the three smallest of it
+    assert table.rows[0][1] == "1.04"
+    assert table.ranges[0, 1] == ("0.950", "∞")
+    assert [row[-1] for row in table.rows] == ["3 of 16 diverged, the first at 0.38 s", "ok"]
+    assert (0, 1) in table.marked()  # 13 of 16 trials are better
+    assert overview(ensemble(DRAW, 3.0 + 0.0 * DRAW, failed=9)).rows[0][1] == "–"
+    assert (0, 1) not in overview(ensemble(DRAW, 3.0 + 0.0 * DRAW, failed=7)).marked()
+    assert r"$_{0.910}^{\infty}$" in latex_table(ensemble(DRAW, DRAW, failed=3), ["rms_error"])
+
+
+def test_every_pair_is_told_with_its_interval_and_whether_its_order_is_certain():
+    table = pair_table(ensemble(DRAW, 2.0 * DRAW))
+    row = table.rows[0]
+    assert row[0].endswith(": PPC < 50% | {x}_1")
+    assert row[1:] == ["0.500", *row[2:4], "certain"]
+    assert float(row[2]) < 0.01
+    alike = pair_table(ensemble(DRAW, DRAW))
+    assert {row[-1] for row in alike.rows} == {"not certain"}
+    assert pair_table(ensemble(DRAW[:1], DRAW[:1])) is None
 
 
 def test_latex_escapes_what_has_a_meaning_in_latex():
@@ -228,6 +274,18 @@ def test_thinning_leaves_short_curves_alone_and_gaps_open():
     thin_time, thin = thinned(time, values, points=100)
     assert np.nanmax(thin) == 2_499
     assert np.isnan(thin[thin_time > 2_600]).all()
+
+
+def test_the_envelope_of_a_band_contains_it_and_keeps_its_gaps():
+    time = np.arange(5_000) * 0.01
+    low, high = np.sin(time) - 0.1, np.sin(time) + 0.1
+    low[4_000:] = high[4_000:] = np.nan
+    middle, below, above = envelope(time, low, high, windows=100)
+    assert middle.size == 100
+    assert (below[:80] <= np.interp(middle[:80], time, low) + 1e-12).all()
+    assert (above[:80] >= np.interp(middle[:80], time, high) - 1e-12).all()
+    assert np.isnan(below[80:]).all()
+    assert envelope(time[:10], low[:10], high[:10])[0] is not None
 
 
 def test_a_running_maximum_never_understates():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 
@@ -14,15 +15,16 @@ from asmc_pin.disk.resources import shipped
 from asmc_pin.errors import ExperimentError, ResultError
 from asmc_pin.metrics import METRICS, evaluate
 from asmc_pin.reproduction.error_bounds import break_away, limits, needed_gain
-from asmc_pin.reproduction.measured_figures import measure
+from asmc_pin.reproduction.measured_figures import certainly_above, measure
 from asmc_pin.reproduction.paper_claims import CLAIMS, judge
 from asmc_pin.reproduction.printed_tables import NAMES, PAPER
 from asmc_pin.reproduction.reading_search import factor, nearest, reconciled
 from asmc_pin.reproduction.readings import AXES, Outcome, read, readings
 from asmc_pin.reproduction.reproducing import READINGS, SETS, reading_of, reproduce
-from asmc_pin.reproduction.reproduction_page import page
+from asmc_pin.reproduction.reproduction_page import medians, page
 from asmc_pin.reproduction.tuned_rows import SUFFIX, untuned
 from asmc_pin.results.result_folder import recorded_run, trajectories
+from asmc_pin.study.ensemble import starts
 from asmc_pin.study.tuning import tune
 
 
@@ -60,10 +62,19 @@ def test_the_page_has_every_table_and_figure_of_the_paper_and_every_claim(data):
 )
 def test_a_cell_of_the_page_comes_out_of_a_run_again(data, name, label, duration):
     experiment = load_experiment(name)
-    law = experiment.build_controllers()[label]
-    run = rollout(experiment.build_plant(), law, experiment.build_reference(), duration)
-    rms = np.degrees(np.sqrt(np.mean((run.q_ref - run.q[0]) ** 2, axis=0)))
-    assert data["experiments"][name]["controllers"][label]["rms_deg"] == pytest.approx(rms.tolist(), rel=1e-6)
+    run = ensemble_of(experiment, label, duration)
+    rms = np.degrees(np.sqrt(np.mean((run.q_ref - run.q) ** 2, axis=1)))
+    told = data["experiments"][name]["controllers"][label]
+    assert told["rms_deg"] == pytest.approx(np.median(rms, axis=0).tolist(), rel=1e-6)
+    assert told["rms_deg_low"] == pytest.approx(np.quantile(rms, 0.05, axis=0).tolist(), rel=1e-6)
+    assert told["rms_deg_high"] == pytest.approx(np.quantile(rms, 0.95, axis=0).tolist(), rel=1e-6)
+    assert (told["trials"], told["failed"]) == (16, 0)
+
+
+def ensemble_of(experiment, label, duration):
+    law, q0 = experiment.build_controllers()[label], starts(experiment)
+    plant, reference = experiment.build_plant(), experiment.build_reference()
+    return rollout(plant, law, reference, duration, batch=len(q0), q0=q0, trials=[0] * len(q0))
 
 
 def test_the_tuned_rows_of_the_files_are_those_of_the_page(data):
@@ -92,6 +103,39 @@ def test_a_tuned_row_is_better_than_its_untuned_one_by_the_stated_objective(data
 
         for label in item["tuned"]:
             assert objective(label) < objective(label.removesuffix(SUFFIX))
+
+
+def test_a_place_in_the_ordering_counts_only_where_the_paired_ratios_are_certain_of_it():
+    sure = {"certainly_above": [["PPC", "Existing"]] * 2}
+    open_ = {"certainly_above": [["PPC"]] * 2}
+    least = {"certainly_above": [[]] * 2}
+    runs = {"PPC": figures((3.0, 3.0)) | least, "Existing": figures((2.0, 2.0)) | open_}
+    claim = "ordering of the controllers: proposed first"
+
+    def judged(**changes):
+        own = figures((1.0, 1.0)) | changes
+        return judge({**runs, "Proposed": own}, (0.9, 0.99), PAPER["baek2016_experiment"])[claim]
+
+    assert judged(**sure)["verdict"] == "holds"
+    unsure = judged(**open_)
+    assert unsure["verdict"] == "in part"
+    assert "1 to 2 (not certain) and 1 to 2 (not certain) of 3" in unsure["evidence"]
+    beaten = {**runs, "Existing": figures((2.0, 2.0)) | {"certainly_above": [["PPC", "Proposed"]] * 2}}
+    lost = judge({**beaten, "Proposed": figures((1.0, 1.0)) | open_}, (0.9, 0.99), PAPER["baek2016_experiment"])
+    assert lost[claim]["verdict"] == "does not hold"
+
+
+def test_what_is_certainly_larger_is_told_joint_by_joint_and_a_trial_that_diverged_is_larger_than_any():
+    draw = np.linspace(1.0, 1.2, 16)
+    rms = {"A": np.stack([draw, draw], axis=1), "B": np.stack([1.1 * draw, draw[::-1]], axis=1)}
+    assert certainly_above(rms) == {"A": [["B"], []], "B": [[], []]}
+    gone = {"A": rms["A"], "C": np.full((16, 2), np.nan)}
+    assert certainly_above(gone) == {"A": [["C"], ["C"]], "C": [[], []]}
+
+
+def test_a_row_of_the_page_has_its_medians_with_the_range_where_that_is_printed_differently():
+    run = {"x": [1.0, 2.0, None], "x_low": [1.0, 1.5, None], "x_high": [1.0001, None, None]}
+    assert medians(run, "x") == "1.00 / 2.00 [1.50 … ∞] / –"
 
 
 @pytest.mark.parametrize("name", PAPER)
@@ -176,8 +220,8 @@ def test_the_papers_own_numbers_hold():
 @pytest.mark.parametrize(
     ("claim", "run"),
     [
-        ("ordering of the schemes: PPC last", figures((0.0432, 0.06))),
-        ("ordering of the schemes: proposed first", figures((0.0432, 0.05))),
+        ("ordering of the controllers: PPC last", figures((0.0432, 0.06))),
+        ("ordering of the controllers: proposed first", figures((0.0432, 0.05))),
         ("size of the improvement over PPC", figures((0.01, 0.001))),
         ("size of the improvement over the existing law", figures((0.08, 0.09))),
         ("less chatter", figures((0.0432, 0.0357), chatter=(1.0, 3.0))),
@@ -192,9 +236,9 @@ def test_a_claim_is_broken_by_figures_that_break_it(claim, run):
 
 def test_a_law_that_diverged_is_behind_every_other():
     gone = {**figures((None, None)), "status": "diverged", "torque_variation": [None, None]}
-    assert verdicts(Existing=gone)["ordering of the schemes: PPC last"] == "does not hold"
-    assert verdicts(Existing=gone)["ordering of the schemes: proposed first"] == "holds"
-    assert verdicts(Proposed=gone)["ordering of the schemes: proposed first"] == "does not hold"
+    assert verdicts(Existing=gone)["ordering of the controllers: PPC last"] == "does not hold"
+    assert verdicts(Existing=gone)["ordering of the controllers: proposed first"] == "holds"
+    assert verdicts(Proposed=gone)["ordering of the controllers: proposed first"] == "does not hold"
     assert verdicts(Proposed=gone)["less chatter"] == "does not hold"
 
 
@@ -249,8 +293,8 @@ def test_a_run_read_back_from_its_trajectories_has_the_same_metrics():
 
 
 def test_what_is_measured_is_what_the_metrics_say_of_the_run_and_of_its_parts():
-    runs, dataset = recorded(short_run())
-    run, found = runs["Proposed"], measure(dataset, "Proposed", 0.5)
+    runs, _ = recorded(short_run())
+    run, found = runs["Proposed"], measure(runs["Proposed"], "baek2016", 0.5)
     assert found["max_error_deg"] == np.degrees(METRICS["max_error"](run)[0]).tolist()
     assert found["torque_variation"] == METRICS["torque_variation"](run)[0].tolist()
     error = (run.q_ref - run.q[0])[run.time <= 0.5 + 1e-9]
@@ -258,17 +302,36 @@ def test_what_is_measured_is_what_the_metrics_say_of_the_run_and_of_its_parts():
     late = 3 * run.time.size // 4
     assert found["peak_gain_before"] == run.gain[0, :late].max(axis=0).tolist()
     assert found["peak_gain_last_quarter"] == run.gain[0, late:].max(axis=0).tolist()
-    assert measure(dataset, "PPC", None)["peak_gain"] == [None, None]
+    assert found["max_error_deg_high"] == found["max_error_deg"]  # a single trial
+    assert measure(runs["PPC"], "ppc", None)["peak_gain"] == [None, None]
+    assert measure(runs["PPC"], "ppc", None)["gain_times"] == [None, None]
+
+
+def test_of_several_trials_medians_and_quantiles_are_told_and_a_failure_opens_the_range():
+    experiment = short_run().replace(duration=0.2, ensemble={"trials": 5, "q0_deviation": 1e-3})
+    run = ensemble_of(experiment, "PPC", 0.2)
+    found, each = measure(run, "ppc", None), np.degrees(METRICS["rms_error"](run))
+    assert found["rms_deg"] == pytest.approx(np.median(each, axis=0).tolist())
+    assert found["rms_deg_low"] == pytest.approx(np.quantile(each, 0.05, axis=0).tolist())
+    status, end = ("ok", "ok", "diverged", "ok", "ok"), np.array([0.2, 0.2, 0.1, 0.2, 0.2])
+    q = run.q.copy()
+    q[2, 100:] = np.nan
+    gone = dataclasses.replace(run, q=q, status=status, end_time=end)
+    told = measure(gone, "ppc", None)
+    assert (told["status"], told["failed"], told["trials"], told["end_time"]) == ("diverged", 1, 5, 0.1)
+    assert told["rms_deg_high"] == [None, None]
+    assert told["rms_deg"] == pytest.approx(np.median(np.where(np.arange(5) == 2, np.inf, each.T), axis=1).tolist())
+    # Over the time before it diverged the trial has an error like any other.
+    assert all(x is not None for x in measure(gone, "ppc", 0.09)["rms_deg_high"])
 
 
 def test_a_law_that_diverges_after_the_window_of_its_table_still_has_an_rms_error_over_it():
-    runs, dataset = recorded(short_run(ks=3000.0, beta=3000.0))
-    run = runs["PPC"]
+    run = recorded(short_run(ks=3000.0, beta=3000.0))[0]["PPC"]
     assert run.status == ("diverged",)
     before = float(run.end_time[0]) - 0.008
-    assert all(x is not None for x in measure(dataset, "PPC", before)["rms_deg"])
-    assert measure(dataset, "PPC", float(run.end_time[0]))["rms_deg"] == [None, None]
-    found = measure(dataset, "PPC", before)
+    assert all(x is not None for x in measure(run, "ppc", before)["rms_deg"])
+    assert measure(run, "ppc", float(run.end_time[0]))["rms_deg"] == [None, None]
+    found = measure(run, "ppc", before)
     assert (found["status"], found["max_error_deg"]) == ("diverged", [None, None])
 
 
@@ -281,7 +344,7 @@ def test_tuning_anew_writes_into_the_users_folder_and_runs_what_lies_there(tmp_p
     class Enough(Exception):
         pass
 
-    def stop(experiment, *_):
+    def stop(experiment, *_, **__):
         ran.append(experiment)
         raise Enough
 

@@ -48,6 +48,7 @@ def data(arm, **changes):
         "arm": str(arm),
         "period": 0.002,
         "duration": 0.05,
+        "ensemble": {"trials": 1},
         "reference": {"kind": "quintic", "start": [0.1, 0.2], "targets": [[0.12, 0.15]], "move": 0.05},
         "defaults": {"mbar": [0.5, 0.1], "ks": 8.0, "beta": 8.0},
         "controllers": {"PPC": {"law": "ppc"}, "Q": {"law": "baek2016", "phi": 9.0, "alpha": 0.1, "epsilon": 0.1}},

@@ -139,23 +139,24 @@ MESHES = ["file:///etc/passwd", "../../../../../../../etc/passwd", "package://et
 
 @pytest.mark.parametrize("name", MESHES)
 def test_only_what_is_named_like_a_mesh_is_opened_as_one(name: str, tmp_path: Path, monkeypatch) -> None:
-    from asmc_pin.viewer.drawing import meshes
+    from asmc_pin.arms.robot_files import RobotFiles
 
-    opened: list[Path] = []
-    monkeypatch.setattr(meshes, "load_mesh", lambda path: opened.append(path))
+    opened: list[object] = []
+    monkeypatch.setattr(Path, "is_file", opened.append)
     with pytest.raises(ValueError, match="is no mesh file"):
-        meshes.resolve(name, [tmp_path, Path("/")], tmp_path)
+        RobotFiles(tmp_path, further=[tmp_path, Path("/")]).mesh(name)
     assert not opened
 
 
 def test_a_mesh_that_is_a_pipe_or_a_device_is_not_read(tmp_path: Path) -> None:
-    from asmc_pin.viewer.drawing.meshes import load_mesh, resolve
+    from asmc_pin.arms.robot_files import RobotFiles
+    from asmc_pin.viewer.drawing.meshes import load_mesh
 
     os.mkfifo(tmp_path / "pipe.stl")
     (tmp_path / "zero.stl").symlink_to("/dev/zero")
     for name in ("pipe.stl", "zero.stl"):
         with pytest.raises(FileNotFoundError):
-            resolve(name, [], tmp_path)
+            RobotFiles(tmp_path).mesh(name)
         with pytest.raises(ValueError, match="regular file"):
             load_mesh(tmp_path / name)
 

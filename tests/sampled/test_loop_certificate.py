@@ -258,3 +258,8 @@ def test_bounds_are_printed_and_their_certificate_checks(
     assert json.loads(out)["lower"][0] == said["lower"][0]
     assert asmc_pin("bounds", "two_link", "--scale", "1,2,3")[0] == 2
     assert asmc_pin("bounds", "panda", "--budget", "0.001")[0] == 3
+
+
+def test_a_loop_for_another_number_of_joints_is_refused() -> None:
+    with pytest.raises(ParameterError, match="M̄ of 1 values given, 2 expected"):
+        certify_loop(load_arm("two_link"), SampledLoop(0.01, 5.0, 300.0, 1e-3))

@@ -24,6 +24,7 @@ DATA = {
     "arm": "two_link",
     "period": 0.002,
     "duration": 0.2,
+    "ensemble": {"trials": 1},
     "plant": {"friction": {"coulomb": [2.0, 1.0]}, "effort_limit": [120.0, 60.0]},
     "reference": {"kind": "quintic", "start": [0.3, 0.2], "targets": [[0.35, 0.15]], "move": 0.2},
     "defaults": {"mbar": [0.05, 0.02], "ks": 8.0, "beta": 8.0},

@@ -8,9 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from law_settings import numbers_of, required_of
 
 from asmc_pin import rollout
-from asmc_pin.controllers import CONTROLLERS, REQUIRED, PerJoint, Scalar, ScalarOrWord, TdeLaw, parameters_of
+from asmc_pin.controllers import CONTROLLERS
 from asmc_pin.errors import ExperimentError, ParameterError, ResultError
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
@@ -159,11 +160,8 @@ def test_a_setting_that_diverges_ranks_behind_every_other_and_the_earlier_the_wo
 
 def settings_of(name):
     """Two settings of a registered law that differ in every number of its own, and in K_s and β."""
-    law, shared = CONTROLLERS[name], parameters_of(TdeLaw)
-    own = {key: item for key, item in parameters_of(law).items() if key not in shared}
-    base = {"mbar": [0.07, 0.12], "period": 0.004}
-    first = {key: 0.4 for key, item in own.items() if item.default is REQUIRED}
-    second = {key: 0.7 for key, item in own.items() if isinstance(item, (PerJoint, Scalar, ScalarOrWord))}
+    law, base = CONTROLLERS[name], {"mbar": [0.07, 0.12], "period": 0.004}
+    first, second = required_of(name, 0.4), numbers_of(name, 0.7)
     return law(**base, ks=20.0, beta=20.0, **first), law(**base, ks=10.0, beta=15.0, **second)
 
 

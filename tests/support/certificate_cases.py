@@ -16,7 +16,9 @@ from asmc_pin._typing import Array
 from asmc_pin.condition import lemma1_norm, weighted_norm
 from asmc_pin.condition.certificate import CertificateResult, certify
 from asmc_pin.condition.certificate.compiled.bisection_tree import DONE, explore
-from asmc_pin.condition.certificate.statement_forms import Kind, Statement, problem_of
+from asmc_pin.condition.certificate.statement import Kind, Statement
+from asmc_pin.condition.certificate.statement_forms import problem_of
+from asmc_pin.rigid_body.coupling import uncoupled
 from asmc_pin.rigid_body.mass_matrix import mass_matrices
 from asmc_pin.rigid_body.tree import Tree
 
@@ -53,7 +55,7 @@ def random_tree(rng: np.random.Generator, joints: int) -> Tree:
     slides = rng.random(n) < (0.15 if rng.random() < 0.5 else 0.0)
     armature = 10.0 ** rng.uniform(-3.0, -0.5, n) * (rng.random() < 0.6)
     translation, com = 0.3 * rng.normal(size=(n, 3)), 0.15 * rng.normal(size=(n, 3))
-    return Tree(parent, rotation, translation, axis, slides, mass, com, inertia, armature, np.zeros(3))
+    return Tree(parent, rotation, translation, axis, slides, mass, com, inertia, armature, np.zeros(3), uncoupled(n))
 
 
 def random_box(rng: np.random.Generator, tree: Tree) -> tuple[Array, Array]:

@@ -5,6 +5,8 @@ name = "short"
 arm = "two_link"
 period = 0.001
 duration = 0.2
+[ensemble]
+trials = 1
 [plant]
 friction = { coulomb = 1.0, viscous = 0.1 }
 [reference]

@@ -24,6 +24,7 @@ AWKWARD: dict[str, Any] = {
     "arm": "two_link",
     "period": 0.002,
     "duration": 0.4,
+    "ensemble": {"trials": 1},
     "reference": {
         "kind": "multisine",
         "offset": [0.3, 0.2],

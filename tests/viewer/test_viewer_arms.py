@@ -6,11 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from arm_urdf import write
+from coupled_urdf import coupled_tree, gripper
 from scipy.spatial import cKDTree
 from viewer_cases import BENT, bent_arm
 
 from asmc_pin.arms import arm_names, load_arm
-from asmc_pin.viewer import draw
+from asmc_pin.arms.robot_files import RobotFiles
+from asmc_pin.viewer import PlayedMotion, describe, draw
 from asmc_pin.viewer.drawing.drawn_bodies import assemble, attachments, body_poses, joint_frames
 from asmc_pin.viewer.drawing.mesh_simplify import simplify
 from asmc_pin.viewer.drawing.surface import Surface, join
@@ -54,6 +57,23 @@ def test_bodies_move_as_pinocchio_moves_the_links(name: str) -> None:
     poses, links = body_poses(joint_frames(arm), q), arm.link_poses(q)
     for link, (_, body, pose) in enumerate(attachments(arm)):
         np.testing.assert_allclose(poses[:, body] @ pose, links[:, link], atol=1e-9)
+
+
+def test_mimicking_links_are_drawn_where_they_go(tmp_path: Path) -> None:
+    for text in (gripper(), coupled_tree(np.random.default_rng(2), joints=6, followers=3)):
+        arm = load_arm(write(tmp_path, text))
+        q = np.random.default_rng(3).uniform(-1.0, 1.0, (4, arm.nv))
+        drawn = draw(arm)
+        poses, links = drawn.poses(q), arm.link_poses(q)
+        for link, (_, body, pose) in enumerate(attachments(arm)):
+            np.testing.assert_allclose(poses[:, body] @ pose, links[:, link], atol=1e-9)
+        told = describe(drawn, arm.joint_names, np.arange(4.0), [PlayedMotion("A", "#000000", q)], None)
+        assert [joint["name"] for joint in told["joints"]] == list(arm.joint_names)
+        moving = told["arm"]["bodies"][1:]
+        coupling = arm.tree.coupling
+        assert [body["joint"] for body in moving] == coupling.coordinate.tolist()
+        assert [body["ratio"] for body in moving] == coupling.ratio.tolist()
+        assert [body["offset"] for body in moving] == coupling.offset.tolist()
 
 
 def test_the_ur5_is_as_large_as_a_ur5() -> None:
@@ -112,7 +132,7 @@ def test_primitives_have_their_size_centre_and_colour(
 ) -> None:
     blue = '<material name="own"><color rgba="0 0 1 1"/></material>'
     text = BENT.format(upper=visual(geometry, f'<origin xyz="1 2 3" rpy="0 0 0"/>{blue}'), lower="")
-    shown, missing = read_visuals(text, [], tmp_path)
+    shown, missing = read_visuals(text, RobotFiles(tmp_path))
     surface = join(shown["upper"])
     low, high = corners(surface)
     np.testing.assert_allclose(high - low, extent, rtol=0.01)
@@ -124,7 +144,7 @@ def test_primitives_have_their_size_centre_and_colour(
 def test_roll_pitch_yaw_turns_about_fixed_axes(tmp_path: Path) -> None:
     turned = '<origin rpy="1.5707963267948966 0 1.5707963267948966"/>'
     text = BENT.format(upper=visual('<box size="0.1 0.2 0.3"/>', turned), lower="")
-    surface = join(read_visuals(text, [], tmp_path)[0]["upper"])
+    surface = join(read_visuals(text, RobotFiles(tmp_path))[0]["upper"])
     # First about x: (0.1, 0.3, 0.2); then about the fixed z: (0.3, 0.1, 0.2).
     np.testing.assert_allclose(np.ptp(surface.vertices, axis=0), (0.3, 0.1, 0.2), atol=1e-9)
 
@@ -134,7 +154,7 @@ def test_a_mirrored_mesh_keeps_its_outside_outside(tmp_path: Path) -> None:
 
     trimesh.creation.box(extents=(1.0, 2.0, 3.0)).export(tmp_path / "box.stl")
     text = BENT.format(upper=visual('<mesh filename="box.stl" scale="-1 1 1"/>'), lower="")
-    surface = join(read_visuals(text, [], tmp_path)[0]["upper"])
+    surface = join(read_visuals(text, RobotFiles(tmp_path))[0]["upper"])
     assert trimesh.Trimesh(surface.vertices, surface.faces).volume == pytest.approx(6.0)
 
 
@@ -146,7 +166,7 @@ def test_packages_are_found_by_their_folder_and_in_their_parent(tmp_path: Path) 
     trimesh.creation.box(extents=(1.0, 2.0, 3.0)).export(package / "meshes" / "box.stl")
     text = BENT.format(upper=visual('<mesh filename="package://some_package/meshes/box.stl"/>'), lower="")
     for folder in (tmp_path, package):
-        shown, missing = read_visuals(text, [folder], tmp_path / "elsewhere")
+        shown, missing = read_visuals(text, RobotFiles(tmp_path / "elsewhere", further=[folder]))
         assert not missing
         assert len(shown["upper"][0].faces) == 12
 

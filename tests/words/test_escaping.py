@@ -187,6 +187,7 @@ def result(urdf, tmp_path_factory):
         "arm": str(urdf),
         "period": 0.002,
         "duration": 0.1,
+        "ensemble": {"trials": 1},
         "reference": {"kind": "quintic", "start": [0.3, 0.2], "targets": [[0.35, 0.15]], "move": 0.1},
         "defaults": {"mbar": [0.05, 0.02], "beta": 8.0},
         "controllers": {label: {"law": "ppc", "ks": 5.0 + k} for k, label in enumerate(LABELS)},

@@ -24,5 +24,8 @@ FRICTION = 1e15
 GRAVITY = 1e6
 """m/s²."""
 
+RATIO = 1e6
+"""Of a joint that mimics another, either way."""
+
 MOVING_JOINTS = 32
-"""Of an arm that is computed with; M(q) is dense, and a search takes thousands of them."""
+"""Of an arm that is computed with, those that mimic others included; M(q) is dense, and a search takes thousands."""

@@ -16,10 +16,13 @@ from lxml import etree
 
 from asmc_pin._typing import Array
 from asmc_pin.arms.urdf.magnitudes import FRICTION, LIMIT
-from asmc_pin.arms.urdf.rigid_inertia import inertia_problem
+from asmc_pin.arms.urdf.mjcf_conversion import MjcfModel
+from asmc_pin.arms.urdf.repair_record import read_repair
+from asmc_pin.arms.urdf.rigid_inertia import LinkInertia
 from asmc_pin.arms.urdf.urdf_document import Document
 from asmc_pin.arms.urdf.urdf_structure import MOVING, NUMBERS, check_structure, where
 from asmc_pin.errors import ArmError
+from asmc_pin.words.provisos import Proviso
 
 # Pinocchio wants to see a range at every joint; nothing reads this one, `Joint` has the real limits.
 _WIDE = "1e6"
@@ -76,24 +79,32 @@ class Robot:
 
     Attributes:
         path: The file.
-        text: The file as it stands.
-        sha256: Hex digest of its bytes.
+        name: What to call it: the file's stem, and of a file that stands for several robots what it came to.
+        text: See `Document`.
+        sha256: Hex digest of the file's bytes.
         joints: Joints that can move, by name.
         fixed: Names of the joints that cannot.
         links: Names of the links.
+        carried: By link, the joint that carries it and the link that this hangs on; the base has none.
         xml: The same robot for Pinocchio: dynamics only, every continuous joint an unbounded revolute one, and
             `JOINT_PREFIX` before every joint's name.
-        warnings: What was taken otherwise than written.
+        inertials: Masses and tensors as they are written, by link; links without are left out.
+        provisos: See `Document`; and what was repaired of it, as the text itself says.
+        mjcf: See `Document`.
     """
 
     path: Path
+    name: str
     text: str
     sha256: str
     joints: Mapping[str, Joint]
     fixed: tuple[str, ...]
     links: tuple[str, ...]
+    carried: Mapping[str, tuple[str, str]]
     xml: str
-    warnings: tuple[str, ...]
+    inertials: Mapping[str, LinkInertia]
+    provisos: tuple[Proviso, ...]
+    mjcf: MjcfModel | None
 
 
 def _stripped(document: Document) -> Any:
@@ -194,18 +205,21 @@ def _pinocchio_xml(root: Any) -> str:
     return text
 
 
-def _check_inertias(document: Document, links: list[Any]) -> list[str]:
-    warnings = []
+def _inertials(document: Document, links: list[Any]) -> dict[str, LinkInertia]:
     elements = {element.get("name"): element for element in document.root.findall("link")}
+    found = {}
     for link in links:
         if link.inertial is None:
             continue
-        problem = inertia_problem(link.inertial.mass, link.inertial.inertia)
-        if problem:
-            raise ArmError(document.path, f"{where(document, elements[link.name])}: {problem}")
-        if link.inertial.mass == 0.0 and np.any(link.inertial.inertia):
-            warnings.append(f"link '{link.name}' has a rotational inertia but no mass; both are taken as written")
-    return warnings
+        pose = np.eye(4) if link.inertial.origin is None else np.asarray(link.inertial.origin, dtype=np.float64)
+        found[link.name] = LinkInertia(
+            mass=float(link.inertial.mass),
+            com=pose[:3, 3],
+            turn=pose[:3, :3],
+            written=np.asarray(link.inertial.inertia, dtype=np.float64),
+            where=where(document, elements[link.name]),
+        )
+    return found
 
 
 def read_robot(document: Document) -> Robot:
@@ -224,14 +238,17 @@ def read_robot(document: Document) -> Robot:
     root = _stripped(document)
     raw = yourdfpy.URDF.load(io.BytesIO(etree.tostring(root)), build_scene_graph=False, load_meshes=False).robot
     elements = {element.get("name"): element for element in document.root.findall("joint")}
-    warnings = _check_inertias(document, raw.links)
     return Robot(
         path=document.path,
+        name=root.get("name") if document.expanded else document.path.stem,
         text=document.text,
         sha256=document.sha256,
         joints={j.name: _joint(document, j, elements[j.name]) for j in raw.joints if j.type in MOVING},
         fixed=tuple(j.name for j in raw.joints if j.type not in MOVING),
         links=tuple(link.name for link in raw.links),
+        carried={joint.child: (joint.name, joint.parent) for joint in raw.joints},
         xml=_pinocchio_xml(root),
-        warnings=tuple(warnings),
+        inertials=_inertials(document, raw.links),
+        provisos=tuple(dict.fromkeys((*document.provisos, *read_repair(document)))),
+        mjcf=document.mjcf,
     )

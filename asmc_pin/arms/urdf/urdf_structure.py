@@ -34,9 +34,10 @@ _REQUIRED = {"mass": ("value",), "inertia": ("ixx", "iyy", "izz")}
 
 
 def where(document: Document, element: Any) -> str:
-    """``joint 'elbow' in arm.urdf, line 12``."""
+    """``joint 'elbow' in arm.urdf, line 12``; what a xacro file is expanded to has no lines of its own."""
     name = printable(element.get("name") or "")
-    return f"{element.tag} '{name}' in {printable(document.path.name)}, line {element.sourceline}"
+    line = " (expanded)" if document.expanded else f", line {element.sourceline}"
+    return f"{element.tag} '{name}' in {printable(document.path.name)}{line}"
 
 
 def _named(document: Document, tag: str) -> list[Any]:

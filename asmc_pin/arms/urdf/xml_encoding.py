@@ -14,6 +14,7 @@ from asmc_pin.words.text import printable
 # hex), that are not for files (idna), or whose bytes a parser may take for markup (utf-7, gbk).
 _READ = re.compile(r"utf-8|ascii|iso8859-\d+|cp125\d|koi8-[rut]|mac-roman")
 _DECLARED = re.compile(rb"""^<\?xml\s[^>]*?\bencoding\s*=\s*["']([^"'>]*)["'][^>]*\?>""")
+_VERSION = re.compile(r"""^(<\?xml\s+version\s*=\s*)(["'])[^"'>]*\2""")
 _ENCODING = re.compile(r"""^(<\?xml\s[^>]*?)\s*\bencoding\s*=\s*["'][^"'>]*["']""")
 
 
@@ -44,10 +45,17 @@ def without_declared_encoding(text: str) -> str:
     return _ENCODING.sub(r"\1", text.removeprefix("\ufeff"), count=1)
 
 
+def with_known_version(text: str) -> str:
+    """The same as XML 1.0, whatever version it says: Pinocchio's reader does not ask, and some tools write 0.0."""
+    return _VERSION.sub(r"\g<1>\g<2>1.0\2", text, count=1)
+
+
 def _encoding(path: Path, data: bytes) -> tuple[str, str]:
     """Python's name of the encoding, and how to speak of it."""
     if data.startswith(codecs.BOM_UTF8):
         return "utf-8", "UTF-8"
+    if data.startswith((codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)):
+        raise ArmError(path, _not_read(path, "it begins as UTF-32"))
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "utf-16", "UTF-16"
     if data.startswith((b"<\0", b"\0<")):  # without a mark, but plain enough
@@ -61,9 +69,11 @@ def _encoding(path: Path, data: bytes) -> tuple[str, str]:
     except (LookupError, ValueError):
         name = ""
     if not _READ.fullmatch(name):
-        raise ArmError(
-            path,
-            f'{shown(path)}: its first line says encoding="{printable(given)}", which is not read here. Save the '
-            'file as UTF-8, with encoding="UTF-8" in that line',
-        )
+        raise ArmError(path, _not_read(path, f'its first line says encoding="{printable(given)}"'))
     return name, printable(given)
+
+
+def _not_read(path: Path, why: str) -> str:
+    return (
+        f'{shown(path)}: {why}, which is not read here. Save the file as UTF-8, with encoding="UTF-8" in its first line'
+    )

@@ -8,27 +8,26 @@ from typing import Annotated, Any
 import typer
 
 from asmc_pin.cli import interrupt
-from asmc_pin.cli.app import app
+from asmc_pin.cli.app import MBAR, app
 from asmc_pin.cli.commands.condition_commands import EXIT
 from asmc_pin.cli.console import note, print_json, progress_bar, say
+from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
 from asmc_pin.cli.options import (
+    NO_CERTIFICATE,
     ArmArgument,
-    ArmatureOption,
     BoxOption,
     BudgetOption,
     CertificateOption,
     GapOption,
     JsonOption,
-    LockOption,
-    PayloadOption,
-    open_domain,
     parse_box,
     per_joint,
 )
 from asmc_pin.disk.files import check_writable
 
 
-@app.command()
+@app.command(rich_help_panel=MBAR)
+@takes_loading_options(without=("gravity",))
 def bounds(
     arm: ArmArgument,
     scale: Annotated[
@@ -40,9 +39,7 @@ def bounds(
     certificate: CertificateOption = None,
     seed: Annotated[int, typer.Option(min=0, help="Of the searches.")] = 0,
     box: BoxOption = None,
-    payload: PayloadOption = None,
-    armature: ArmatureOption = None,
-    lock: LockOption = None,
+    loading: LoadingOptions = NOTHING,
     as_json: JsonOption = False,
 ) -> None:
     """Prove m₁ I ≺ M(q) ≺ m₂ I over the joint box, and bounds of its condition number and of C(q, q̇)q̇ by ‖q̇‖².
@@ -52,7 +49,7 @@ def bounds(
     scaling, ranges = per_joint(scale, "--scale"), parse_box(box)
     if certificate is not None and Path(certificate).parent.exists():  # else it is made
         check_writable(certificate)
-    loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock)
+    loaded, domain = open_domain(arm, loading)
     from asmc_pin.condition import bounds as run
 
     with interrupt.stopping_short() as go_on, progress_bar() as show:
@@ -64,7 +61,9 @@ def bounds(
 
         report = run(loaded, scaling=scaling, gap=gap, budget=budget, box=ranges, seed=seed, progress=tell, **domain)
     if certificate is not None:
-        if report.proofs:
+        if loaded.mimics:
+            note(f"{NO_CERTIFICATE}; none was written to {certificate}")
+        elif report.proofs:
             note(f"certificate: {report.save(certificate)}")
         else:
             note(f"nothing is proven, so no certificate was written to {certificate}")

@@ -8,24 +8,22 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from asmc_pin.cli import interrupt
-from asmc_pin.cli.app import app
+from asmc_pin.cli.app import MBAR, app
 from asmc_pin.cli.console import note, print_json, progress_bar, rich_console, say
+from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
+from asmc_pin.cli.next_step import again, say_next
 from asmc_pin.cli.options import (
+    NO_CERTIFICATE,
     ArmArgument,
-    ArmatureOption,
     BoxOption,
     BudgetOption,
     CertificateOption,
     CertifyOption,
     ConditionOption,
     GapOption,
-    GravityOption,
     JsonOption,
-    LockOption,
     MbarOption,
-    PayloadOption,
     ReportOption,
-    open_domain,
     parse_box,
     per_joint,
 )
@@ -40,8 +38,10 @@ if TYPE_CHECKING:
 EXIT = {"holds": 0, "unrefuted": 0, "violated": 1, "undecided": 3}
 
 
-@app.command()
+@app.command(rich_help_panel=MBAR)
+@takes_loading_options()
 def verify(
+    context: typer.Context,
     arm: ArmArgument,
     mbar: MbarOption,
     condition: ConditionOption = "lemma1",
@@ -60,10 +60,7 @@ def verify(
     certificate: CertificateOption = None,
     report: ReportOption = None,
     box: BoxOption = None,
-    payload: PayloadOption = None,
-    armature: ArmatureOption = None,
-    lock: LockOption = None,
-    gravity: GravityOption = None,
+    loading: LoadingOptions = NOTHING,
     as_json: JsonOption = False,
 ) -> None:
     """Look for a configuration at which M̄ breaks the condition, or prove that there is none.
@@ -78,7 +75,7 @@ def verify(
         raise ParameterError("--tube", "is around a motion: add --along EXPERIMENT or a CSV of recorded data")
     values, ranges = per_joint(mbar, "--mbar"), parse_box(box)
     check_motion(along)
-    loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
+    loaded, domain = open_domain(arm, loading)
     from asmc_pin.condition import verify as run
 
     domain |= {"condition": condition, "seed": seed, "box": ranges}
@@ -95,7 +92,25 @@ def verify(
     else:
         print_verdict(found)
         _print_tde_error(options.get("along"), loaded, values)
+        _say_next(context, found.verdict, proves=along is None or tube is not None, budget=budget)
     raise typer.Exit(EXIT[found.verdict])
+
+
+def _say_next(context: typer.Context, verdict: str, *, proves: bool, budget: float) -> None:
+    question = ("mbar", "along", "tube", "seed")
+    if verdict == "violated":
+        say_next("an M̄ that suits M(q)", again(context, "design"))
+    elif verdict == "unrefuted" and proves:
+        say_next("a proof", again(context, "verify", "--certify", also=question))
+    elif verdict == "undecided":
+        longer = again(
+            context, "verify", "--certify", "--budget", f"{2 * budget:g}", also=(*question, "gap", "certificate")
+        )
+        say_next("twice the time", longer)
+    elif verdict == "holds":
+        say_next(
+            "gains that a sampled loop bears, here at 1 ms", again(context, "design", "--gains", "--period", "0.001")
+        )
 
 
 def check_motion(along: str | None) -> None:
@@ -138,7 +153,9 @@ def prove(
 
         result = certify(arm, mbar, progress=tell, **options)
     if certificate is not None:
-        if result.proofs:
+        if arm.mimics:
+            note(f"{NO_CERTIFICATE}; none was written to {certificate}")
+        elif result.proofs:
             note(f"certificate: {result.save(certificate)}")
         else:
             note(f"nothing is proven, so no certificate was written to {certificate}")

@@ -3,30 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from asmc_pin.cli.app import app
+from asmc_pin.cli.app import MBAR, app
 from asmc_pin.cli.commands.condition_commands import EXIT, check_proof_options, prove, report_path, write_page
-from asmc_pin.cli.console import print_json, progress_bar, say
+from asmc_pin.cli.console import note, print_json, progress_bar, say
+from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
 from asmc_pin.cli.loop_options import AccelerationOption, DelayOption, FilterOption, loop_proof_of
+from asmc_pin.cli.next_step import again, say_next
 from asmc_pin.cli.options import (
     ArmArgument,
-    ArmatureOption,
     BoxOption,
     BudgetOption,
     CertificateOption,
     CertifyOption,
     ConditionOption,
     GapOption,
-    GravityOption,
     JsonOption,
-    LockOption,
-    PayloadOption,
     ReportOption,
     number,
-    open_domain,
     parse_bounds,
     parse_box,
     per_joint,
@@ -51,8 +49,10 @@ if TYPE_CHECKING:
     from asmc_pin.sampled.gain_choice.gain_design import GainDesign
 
 
-@app.command()
+@app.command(rich_help_panel=MBAR)
+@takes_loading_options()
 def design(
+    context: typer.Context,
     arm: ArmArgument,
     condition: ConditionOption = "lemma1",
     objective: Annotated[
@@ -100,16 +100,14 @@ def design(
     certificate: CertificateOption = None,
     report: ReportOption = None,
     box: BoxOption = None,
-    payload: PayloadOption = None,
-    armature: ArmatureOption = None,
-    lock: LockOption = None,
-    gravity: GravityOption = None,
+    loading: LoadingOptions = NOTHING,
     as_json: JsonOption = False,
 ) -> None:
     """Find the M̄ of least contraction, or of the fastest estimate. Exit status 1 when none satisfies the condition.
 
     With --gains --certify it is also said what is proven of the gains' loop; 1 too where that refutes what a search
-    found stable. Sensor options count for --gains.
+    found stable. --certificate then writes that proof to FILE, and the one of M̄ beside it, to FILE with -mbar in its
+    name. Sensor options count for --gains.
     """
     page = report_path(report)
     check_proof_options(certify, certificate)
@@ -125,7 +123,7 @@ def design(
         from asmc_pin.words.units import check_period
 
         check_period(length, "--period")
-    loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
+    loaded, domain = open_domain(arm, loading)
     sensor = sensor_of(
         loaded.nv,
         velocity=velocity,
@@ -154,7 +152,8 @@ def design(
         found = run(loaded, **options, bounds=limits, box=ranges, seed=seed, budget=budget, progress=tell, **domain)
     if certify and found.check is not None:
         proof = {"gap": gap, "budget": budget, "seed": seed, "condition": condition, "box": ranges}
-        check = prove(loaded, list(found.check.mbar), found.check, certificate, **proof, **domain)
+        file = _beside(certificate) if gains and certificate is not None else certificate
+        check = prove(loaded, list(found.check.mbar), found.check, file, **proof, **domain)
         found = replace(found, check=check, verdict=check.verdict)
     write_page(found, loaded, page)
     content, lines, refuted = found.to_json_dict(), found.lines(), False
@@ -178,8 +177,12 @@ def design(
             **domain,
         )
         if certify and suggested.report is not None:
-            suggested = _with_proof(loaded, suggested, suggested.report, budget=budget, box=ranges, **domain)
+            suggested = _with_proof(
+                loaded, suggested, suggested.report, certificate, budget=budget, box=ranges, **domain
+            )
             refuted = suggested.report is not None and not suggested.report.stable
+        elif certificate is not None:
+            note(f"no gains were found, so no certificate of them was written to {certificate}")
         content["gains"] = suggested.to_json_dict()
         # One M̄ is printed, that of the gains.
         lines = [*found.lines(with_mbar=False), *suggested.lines()]
@@ -187,14 +190,30 @@ def design(
         print_json(content)
     else:
         say(*lines)
+        kept = ("objective", "form", "bounds", "level", "seed")
+        if found.mbar is not None and not gains:
+            more = () if certify else ("--certify",)
+            say_next(
+                "gains for it, here at 1 ms", again(context, "design", "--gains", "--period", "0.001", *more, also=kept)
+            )
     raise typer.Exit(1 if refuted else {"infeasible": 1, **EXIT}[found.verdict])
 
 
-def _with_proof(arm: Arm, design: GainDesign, report: StabilityReport, **options: Any) -> GainDesign:
+def _beside(certificate: str) -> str:
+    """Where the proof of M̄ goes when that of the gains goes to the file that was named."""
+    file = Path(certificate)
+    return str(file.with_name(f"{file.stem}-mbar{file.suffix}"))
+
+
+def _with_proof(
+    arm: Arm, design: GainDesign, report: StabilityReport, certificate: str | None, **options: Any
+) -> GainDesign:
     """The same gains with what can be proven of their loop, if it is one that proofs are made for."""
     from asmc_pin.sampled.proof.loop_certificate import not_plain
 
     odd = not_plain(report.loop)
     if odd is not None:
+        if certificate is not None:
+            note(f"no proof is made for this loop ({': '.join(odd)}), so no certificate was written to {certificate}")
         return replace(design, unproven=": ".join(odd))
-    return replace(design, report=replace(report, proof=loop_proof_of(arm, report.loop, None, **options)))
+    return replace(design, report=replace(report, proof=loop_proof_of(arm, report.loop, certificate, **options)))

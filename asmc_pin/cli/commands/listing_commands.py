@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
-from asmc_pin.cli.app import app
-from asmc_pin.cli.console import print_json, rich_console
+import difflib
+from dataclasses import asdict
+from typing import Annotated
+
+import typer
+
+from asmc_pin.cli.app import LISTS, app
+from asmc_pin.cli.console import print_json, rich_console, say
 from asmc_pin.cli.options import JsonOption
+from asmc_pin.errors import ParameterError
 
 Rows = tuple[list[str], list[list[str]]]
 
@@ -53,13 +60,34 @@ def _print(title: str, table: Rows, as_json: bool, leave_out: tuple[str, ...] = 
     rich_console().print(view)
 
 
-@app.command()
+@app.command(rich_help_panel=LISTS)
 def arms(as_json: JsonOption = False) -> None:
     """List the arms that have a name; --json and README.md also say where each comes from."""
     _print("arms", arm_rows(), as_json, leave_out=("origin", "licence"))
 
 
-@app.command()
-def controllers(as_json: JsonOption = False) -> None:
-    """List the control laws and their parameters."""
-    _print("controllers", controller_rows(), as_json)
+@app.command(rich_help_panel=LISTS)
+def controllers(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME]", help="A law, to print its card: all of it on one page.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """List the control laws and their parameters; with a law's name, print its card and what a tick costs here."""
+    if name is None:
+        _print("controllers", controller_rows(), as_json)
+        return
+    from asmc_pin.controllers import CONTROLLERS
+    from asmc_pin.controllers.law_card import cost_per_tick, law_card, suggested
+
+    if name not in CONTROLLERS:
+        near = difflib.get_close_matches(name, CONTROLLERS, n=1)
+        said = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(CONTROLLERS)}"
+        raise ParameterError("NAME", f"there is no card of a law '{name}': {said}")
+    card = law_card(name, CONTROLLERS[name])
+    costs = {batch: 1e6 * cost_per_tick(suggested(CONTROLLERS[name]), batch) for batch in (1, 256)}
+    if as_json:
+        print_json({**asdict(card), "microseconds": {str(batch): cost for batch, cost in costs.items()}})
+        return
+    said = " and ".join(f"{cost:.2g} µs at batch {batch}" for batch, cost in costs.items())
+    say(*card.lines(), f"Cost of a step per tick and trial of six joints, here and now: {said}")

@@ -6,23 +6,18 @@ from typing import Annotated
 
 import typer
 
-from asmc_pin.cli.app import app
+from asmc_pin.cli.app import LISTS, MBAR, STUDIES, app
 from asmc_pin.cli.commands.condition_commands import EXIT
 from asmc_pin.cli.console import announce_compiling, print_json, progress_bar, say
+from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_single, takes_loading_options
 from asmc_pin.cli.options import (
     ArmArgument,
-    ArmatureOption,
-    GravityOption,
     JsonOption,
-    LockOption,
-    PayloadOption,
-    open_domain,
 )
 from asmc_pin.disk.files import check_readable
-from asmc_pin.errors import ParameterError
 
 
-@app.command()
+@app.command(rich_help_panel=MBAR)
 def check(
     certificate: Annotated[str, typer.Argument(metavar="CERTIFICATE", help="A file of --certificate.")],
     as_json: JsonOption = False,
@@ -44,20 +39,16 @@ def check(
     raise typer.Exit(1 if result.verdict is None else {"stable": 0, "unstable": 1, **EXIT}[result.verdict])
 
 
-@app.command()
+@app.command(rich_help_panel=LISTS)
+@takes_loading_options()
 def agree(
     arm: ArmArgument,
-    payload: PayloadOption = None,
-    armature: ArmatureOption = None,
-    lock: LockOption = None,
-    gravity: GravityOption = None,
+    loading: LoadingOptions = NOTHING,
     seed: Annotated[int, typer.Option(min=0, help="Of the configurations and torques.")] = 0,
     as_json: JsonOption = False,
 ) -> None:
     """Compare an arm's dynamics with MuJoCo, which reads the same URDF text. Exit status 1 when they disagree."""
-    loaded, ranges = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
-    if ranges:
-        raise ParameterError(f"--{next(iter(ranges))}", "one value expected here, not a range")
+    loaded = open_single(arm, loading)
     from asmc_pin.agreement import agree as run
 
     report = run(loaded, seed=seed)
@@ -68,7 +59,7 @@ def agree(
     raise typer.Exit({"agrees": 0, "disagrees": 1, "not compared": 3}[report.verdict])
 
 
-@app.command()
+@app.command(rich_help_panel=STUDIES)
 def reproduce(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="[NAME]...", help="Some of the paper's experiments.")

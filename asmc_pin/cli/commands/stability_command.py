@@ -3,28 +3,33 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from asmc_pin.cli.app import app
+from asmc_pin.cli.app import MBAR, app
 from asmc_pin.cli.commands.condition_commands import check_proof_options, report_path
 from asmc_pin.cli.console import note, print_json, say
-from asmc_pin.cli.loop_options import AccelerationOption, DelayOption, FilterOption, loop_proof_of
+from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
+from asmc_pin.cli.loop_options import (
+    AccelerationOption,
+    DelayOption,
+    FilterOption,
+    LawOption,
+    SetOption,
+    law_of,
+    loop_proof_of,
+)
+from asmc_pin.cli.next_step import SENSED, again, say_next
 from asmc_pin.cli.options import (
     ArmArgument,
-    ArmatureOption,
     BoxOption,
     BudgetOption,
     CertificateOption,
     CertifyOption,
-    GravityOption,
     JsonOption,
-    LockOption,
     MbarOption,
-    PayloadOption,
     number,
-    open_domain,
     parse_box,
     per_joint,
 )
@@ -40,17 +45,18 @@ from asmc_pin.cli.sensor_options import (
     sensor_of,
 )
 
-if TYPE_CHECKING:
-    pass
 
-
-@app.command()
+@app.command(rich_help_panel=MBAR)
+@takes_loading_options()
 def stability(
+    context: typer.Context,
     arm: ArmArgument,
     mbar: MbarOption,
     ks: Annotated[str, typer.Option(metavar="K1,K2,…", help="Diagonal of K_s, 1/s, or one value for all joints.")],
     beta: Annotated[str, typer.Option(metavar="B", help="β, 1/s.")],
     period: Annotated[str, typer.Option(metavar="S", help="Control period L.")],
+    law: LawOption = None,
+    settings: SetOption = None,
     acceleration: AccelerationOption = "velocity",
     filter_hz: FilterOption = None,
     delay: DelayOption = 0.0,
@@ -63,10 +69,7 @@ def stability(
     velocity_noise: VelocityNoiseOption = None,
     torque_noise: TorqueNoiseOption = None,
     box: BoxOption = None,
-    payload: PayloadOption = None,
-    armature: ArmatureOption = None,
-    lock: LockOption = None,
-    gravity: GravityOption = None,
+    loading: LoadingOptions = NOTHING,
     certify: CertifyOption = False,
     budget: BudgetOption = 60.0,
     certificate: CertificateOption = None,
@@ -89,7 +92,7 @@ def stability(
     page = report_path(report)
     values, slopes, ranges = per_joint(mbar, "--mbar"), per_joint(ks, "--ks"), parse_box(box)
     rate, length = number(beta, "--beta"), number(period, "--period")
-    loaded, domain = open_domain(arm, payload=payload, armature=armature, lock=lock, gravity=gravity)
+    loaded, domain = open_domain(arm, loading)
     sensor = sensor_of(
         loaded.nv,
         velocity=velocity,
@@ -99,6 +102,20 @@ def stability(
         gear=gear,
         velocity_noise=velocity_noise,
         torque_noise=torque_noise,
+    )
+    # A law cannot see that the drives make v by difference; an experiment says so too.
+    differs = sensor is not None and sensor.timing["velocity"] == "difference"
+    paired = "mean" if pairing == "matched" and differs else pairing
+    chosen = law_of(
+        law,
+        settings,
+        mbar=values,
+        ks=slopes,
+        beta=rate,
+        period=length,
+        acceleration=acceleration,
+        filter_hz=filter_hz,
+        pairing=paired,
     )
     from asmc_pin.sampled import stability as run
 
@@ -113,6 +130,7 @@ def stability(
         delay=delay,
         sensor=sensor,
         pairing=pairing,
+        law=chosen,
         box=ranges,
         **domain,
     )
@@ -134,6 +152,14 @@ def stability(
     if as_json:
         print_json(found.to_json_dict())
     else:
+        from asmc_pin.sampled.proof.loop_certificate import not_plain
+
         say(*found.lines())
+        if not found.stable and law is None:
+            say_next("gains that this period bears", again(context, "design", "--gains", also=("period", *SENSED)))
+        elif found.stable and not certify and not_plain(found.loop) is None:
+            say_next(
+                "a proof", again(context, "stability", "--certify", also=("mbar", "ks", "beta", "period", *SENSED))
+            )
     open_question = found.proof is not None and found.proof.verdict == "undecided"
     raise typer.Exit(1 if not found.stable else 3 if open_question else 0)

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
-from asmc_pin.cli.app import app
+from asmc_pin.cli.app import PICTURES, STUDIES, app
 from asmc_pin.cli.console import announce_compiling, note, print_json, progress_bar, rich_console, say
+from asmc_pin.cli.loading_options import tell_doubts
 from asmc_pin.cli.options import JsonOption
 from asmc_pin.disk.files import check_writable
 from asmc_pin.words.text import visible
@@ -23,7 +24,7 @@ ExperimentArgument: TypeAlias = Annotated[
 ]
 
 
-@app.command()
+@app.command(rich_help_panel=STUDIES)
 def compare(
     experiment: ExperimentArgument,
     out: Annotated[str | None, typer.Option(metavar="DIR", help="Where to write; results/NAME when omitted.")] = None,
@@ -43,6 +44,7 @@ def compare(
     announce_compiling()
     from asmc_pin.study import compare as run
 
+    tell_doubts(loaded.build_arm(), loaded.arm.source)
     with progress_bar() as progress:
         comparison = run(loaded, out=out, force=force, progress=progress, warn=warn, refine=refine)
     if as_json:
@@ -51,7 +53,7 @@ def compare(
         print_comparison(comparison)
 
 
-@app.command()
+@app.command(rich_help_panel=STUDIES)
 def report(directory: DirArgument) -> None:
     """Write report.html of a result anew."""
     from asmc_pin.results.result_folder import find_result, load_result
@@ -65,7 +67,7 @@ def report(directory: DirArgument) -> None:
     say(f"report: {result.path / 'report.html'}")
 
 
-@app.command()
+@app.command(rich_help_panel=PICTURES)
 def view(
     directory: DirArgument,
     html: Annotated[
@@ -87,7 +89,7 @@ def view(
         say(f"replay: {page} ({page.stat().st_size / 1e6:.1f} MB)")
 
 
-@app.command()
+@app.command(rich_help_panel=STUDIES)
 def demo() -> None:
     """Verify an M̄ on the UR5, compare four controllers on it, and write results/demo with a report."""
     from asmc_pin.cli.commands.condition_commands import print_verdict
@@ -98,6 +100,7 @@ def demo() -> None:
     announce_compiling()
     experiment = load_experiment("demo")
     arm = experiment.build_arm()
+    tell_doubts(arm, experiment.arm.source)
     say("1. May this M̄ be used?")
     with progress_bar() as progress:
         progress("searching", 0.0)
@@ -122,16 +125,29 @@ def print_comparison(comparison: Comparison) -> None:
     console = rich_console()
     overview = comparison.overview()
     header = list(map(visible, overview.header))
-    rows = [list(map(visible, row)) for row in overview.rows]
+    # The range of a figure over the trials stands below it.
+    rows = [
+        [
+            visible(cell) + ("\n" + "…".join(overview.ranges[i, j]) if (i, j) in overview.ranges else "")
+            for j, cell in enumerate(row)
+        ]
+        for i, row in enumerate(overview.rows)
+    ]
     columns = list(zip(*rows, strict=True))
 
     def width() -> int:
-        cells = ([*head.split("\n"), *column] for head, column in zip(header, columns, strict=True))
+        cells = (
+            [*head.split("\n"), *(line for cell in column for line in cell.split("\n"))]
+            for head, column in zip(header, columns, strict=True)
+        )
         return sum(max(map(len, column)) + 1 for column in cells)
 
-    # Where the terminal is narrow, headings are broken at their spaces and underscores, so that six joints fit 80
-    # columns; a scheme or a figure is never cut.
+    # Where the terminal is narrow, headings are broken at their spaces and underscores, and that of the labels goes, so
+    # that seven joints fit 80 columns; a label or a figure is never cut.
     if width() > console.width:
+        header = ["", *header[1:]]
+        rows = [[cell.replace("…", "…\n") for cell in row] for row in rows]
+        columns = list(zip(*rows, strict=True))
         header = [head.replace(" ", "\n").replace("_", "_\n") for head in header]
         console.width = max(console.width, width())
     table = Table(*header, title=overview.title, title_justify="left", box=None, pad_edge=False, collapse_padding=True)

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from asmc_pin._typing import Array
+from asmc_pin._typing import Array, IntArray
 from asmc_pin.condition.best_mbar.dual_bound import dual_bound
 from asmc_pin.condition.norm.two_conditions import Condition
 from asmc_pin.words.choices import Form as Form
@@ -38,6 +38,10 @@ class Bounds:
     lower: Array
     upper: Array
     form: Form = "diagonal"
+
+    def of(self, joints: IntArray) -> Bounds:
+        """Those of some joints."""
+        return Bounds(self.lower[joints], self.upper[joints], self.form)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.condition_report import ConditionReport
+from asmc_pin.condition.condition_report import ConditionReport, stop_lines
 from asmc_pin.condition.hypotheses import Condition, Hypotheses
 from asmc_pin.words.shown import UNDEFINED, Cells, Shown
 from asmc_pin.words.text import printable, rounded_down, rounded_up
@@ -27,6 +27,23 @@ class DesignPoint:
     norm: float
     bandwidth: float
     mbar: Array
+
+
+@dataclass(frozen=True, eq=False)
+class DesignBranch:
+    """What the program of one branch on the base came to.
+
+    Attributes:
+        joints: The branch.
+        norm: Largest norm of its block that a search found.
+        bound: No M̄ has a smaller norm of this block, rigorously; 0 where λ_min(M⁻¹M̄) was the objective.
+        bandwidth: Smallest λ_min(M⁻¹M̄) of its block that a search found.
+    """
+
+    joints: tuple[str, ...]
+    norm: float
+    bound: float
+    bandwidth: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +119,7 @@ class DesignReport(Shown):
         trade_off: From the least norm to the largest bandwidth.
         armature_buys: What added armature would buy.
         weighted: What the weighted condition would allow; None for a design under it.
+        branches: Where M(q) is block diagonal, and M̄ put together of one program per branch: what each came to.
         unfinished: What was not done because the time was up, in words; empty where all was.
     """
 
@@ -122,6 +140,7 @@ class DesignReport(Shown):
     trade_off: tuple[DesignPoint, ...] = ()
     armature_buys: tuple[ArmaturePurchase, ...] = ()
     weighted: WeightedDesign | None = None
+    branches: tuple[DesignBranch, ...] = ()
     unfinished: str = ""
 
     @property
@@ -191,6 +210,15 @@ class DesignReport(Shown):
                 for item in self.armature_buys
             ],
             "weighted": None,
+            "branches": [
+                {
+                    "joints": list(item.joints),
+                    "norm": item.norm,
+                    "bound": item.bound or None,
+                    "bandwidth": item.bandwidth,
+                }
+                for item in self.branches
+            ],
         }
         if self.weighted is not None:
             scales = {"scale": self.weighted.scale, "scale_lemma1": self.weighted.scale_lemma1}
@@ -242,12 +270,13 @@ class DesignReport(Shown):
     def reasons(self, *, with_mbar: bool = True) -> list[str]:
         """What is proven, what limits M̄, and what would help; a line per finding, M̄ itself among them if asked."""
         if self.mbar is None:
-            return self._limits()
+            return [*self._put_together(), *self._limits()]
         assert self.check is not None
         lines = [
             *([f"not all was done: {self.unfinished}"] if self.unfinished else []),
             *self._proven(self.check),
             *(["M̄ = " + ",".join(repr(float(value)) for value in self.mbar)] if with_mbar else []),
+            *self._put_together(),
             f"slowest mode of the estimate: λ_min(M⁻¹M̄) = {self.bandwidth:.4g} per sample",
             *self._limits(),
         ]
@@ -268,12 +297,26 @@ class DesignReport(Shown):
             )
         return lines
 
+    def _put_together(self) -> list[str]:
+        if not self.branches:
+            return []
+        norms = ", ".join(
+            f"{item.norm:.6g} (joints {', '.join(printable(name) for name in item.joints)})" for item in self.branches
+        )
+        return [
+            f"M(q) is block diagonal, a block for each of {len(self.branches)} branches on the base: M̄ is put together "
+            f"of a program for each, and the norm is the largest of theirs: {norms}"
+        ]
+
     @staticmethod
     def _proven(check: ConditionReport) -> list[str]:
-        if not check.scale_proven:
+        if check.kind != "certified":
             return []
+        if not check.scale_proven:
+            return ["nothing is proven of it over the box", *stop_lines(check.reason)]
         bound = "" if check.upper is None else f"the norm is at most {rounded_up(check.upper)} over the box, and "
-        return [f"proven: {bound}the condition holds for M̄ times {rounded_down(check.scale_proven)}"]
+        proven = f"proven: {bound}the condition holds for M̄ times {rounded_down(check.scale_proven)}"
+        return [proven, *stop_lines(check.reason)]
 
     def _limits(self) -> list[str]:
         return [

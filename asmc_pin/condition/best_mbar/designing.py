@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias, get_args
 import numpy as np
 
 from asmc_pin.clock import Clock
+from asmc_pin.condition.best_mbar.by_branch import Designed, blocks_of, exchange_all
 from asmc_pin.condition.best_mbar.convex_program import Bounds, Form
-from asmc_pin.condition.best_mbar.design_report import DesignPoint, DesignReport
-from asmc_pin.condition.best_mbar.exchange import Active, DesignProgress, Exchanged, Pace, exchange
+from asmc_pin.condition.best_mbar.design_report import DesignBranch, DesignPoint, DesignReport
+from asmc_pin.condition.best_mbar.exchange import ROUNDS, DesignProgress, Pace
 from asmc_pin.condition.best_mbar.limits_of_mbar import limits_of, other_condition, what_armature_buys
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases
 from asmc_pin.condition.domain.joint_box import BoxLike
@@ -52,7 +53,8 @@ def design(
 ) -> DesignReport:
     """Find M̄ by a convex program with an exchange of worst configurations.
 
-    The program has a few configurations only. So it bounds from below what any M̄ can reach, rigorously (`dual_bound`).
+    Branches on the base are blocks of M(q): with one m̄ per joint each has a program of its own, and M̄ is put together.
+    A program has a few configurations only. So it bounds from below what any M̄ can reach, rigorously (`dual_bound`).
     The search over the whole box gives the norm of the program's M̄. The two meet to a thousandth of 1 − γ, or the
     report shows how far apart they stayed.
 
@@ -94,25 +96,27 @@ def design(
     if not budget > 0.0:
         raise ParameterError("budget", f"{budget} given, a positive number of seconds expected")
     pace = Pace(budget, progress, clock, "least norm")
-    active = Active([case.domain for case in all_cases], seed)
-    least = exchange(active, condition, limits, pace=pace)
+    blocks = blocks_of([case.domain for case in all_cases], limits, seed)
+    least = exchange_all(blocks, condition, limits, pace=pace)
     assert least is not None
-    missing = [] if least.met else [f"a better M̄ than that of {least.rounds} programs"]
-    if least.solution.bound >= 1.0:
+    missing = _not_met(least, f"a better M̄ than that of {least.rounds} programs", pace)
+    if least.bound >= 1.0:
         return _infeasible(all_cases, condition, objective, form, limits, least, clock.seconds())
     ceiling = 1.0 - MARGIN * (1.0 - least.norm) if level is None else level
     fastest = None
     wanted = objective == "bandwidth" or (explain and least.norm < 1.0)
     if wanted and ceiling < 1.0 and (objective == "bandwidth" or pace.left() > 0.0):
         pace.doing = "largest bandwidth"
-        fastest = exchange(active, condition, limits, ceiling, pace)
+        fastest = exchange_all(blocks, condition, limits, ceiling, pace)
     chosen = least if objective == "contraction" else fastest
     if chosen is None and least.norm <= ceiling:
         chosen = least
-        missing.append("the largest bandwidth, at which the solver failed")
+        missing.append("the largest bandwidth (the solver found no optimum)")
+    elif chosen is not None and chosen is not least:
+        missing += _not_met(chosen, f"a larger bandwidth than that of {chosen.rounds} programs", pace)
     if chosen is None:
         return _infeasible(all_cases, condition, objective, form, limits, least, clock.seconds())
-    mbar = chosen.solution.mbar
+    mbar = chosen.mbar
     ranges: dict[str, Any] = {"box": box, "payload": payload, "armature": armature, "lock": lock}
     # Where time is up, the search that checks is as light as those of a round, and says so itself.
     samples, starts = (2**16, 128) if pace.left() > 0.0 else (2**12, 16)
@@ -124,7 +128,7 @@ def design(
             between = 1.0 - share * (1.0 - least.norm)
             if between < ceiling and pace.left() > 0.0:
                 pace.doing = "trade-off between the two"
-                if found := exchange(active, condition, limits, between, pace):
+                if found := exchange_all(blocks, condition, limits, between, pace):
                     curve.append(point_of(found))
         if pace.left() > 0.0:
             pace.doing = "what armature buys"
@@ -133,7 +137,7 @@ def design(
             pace.doing = "the weighted condition"
             extra["weighted"] = other_condition(all_cases, limits, mbar, seed, pace)
         if pace.left() <= 0.0:
-            missing.append("all that explains it")
+            missing.append(f"all that explains it ({_time_up(pace)})")
     if fastest is not None:
         curve.append(point_of(fastest))
     return DesignReport(
@@ -144,29 +148,49 @@ def design(
         verdict=check.verdict,
         mbar=mbar,
         check=check,
-        bound=least.solution.bound,
+        bound=least.bound,
         bandwidth=chosen.bandwidth,
         level=ceiling if objective == "bandwidth" else None,
         rounds=chosen.rounds,
         seconds=clock.seconds(),
         limits=limits_of(all_cases, condition, chosen),
-        by_armature=least.solution.by_armature,
+        by_armature=least.by_armature,
         trade_off=tuple(curve),
-        unfinished=_unfinished(missing, pace),
+        branches=branches_of(all_cases, chosen),
+        unfinished=f"not looked for, or not to the end: {', '.join(missing)}" if missing else "",
         **extra,
     )
 
 
-def _unfinished(missing: list[str], pace: Pace) -> str:
-    if not missing:
-        return ""
-    why = f"the budget of {pace.budget:g} s was up" if pace.left() <= 0.0 else "search and program did not meet"
-    return f"{why}: not looked for, or not to the end: {', '.join(missing)}"
+def _not_met(outcome: Designed, what: str, pace: Pace) -> list[str]:
+    """What was not found, and why; nothing where search and program met."""
+    why = {
+        "met": "",
+        "time": _time_up(pace),
+        "rounds": f"search and program did not meet in {ROUNDS} programs",
+        "solver": "the solver found no optimum",
+    }[outcome.stopped]
+    return [f"{what} ({why})"] if why else []
 
 
-def point_of(outcome: Exchanged) -> DesignPoint:
+def _time_up(pace: Pace) -> str:
+    return f"the budget of {pace.budget:g} s was up"
+
+
+def point_of(outcome: Designed) -> DesignPoint:
     """What an outcome is worth."""
-    return DesignPoint(outcome.norm, outcome.bandwidth, outcome.solution.mbar)
+    return DesignPoint(outcome.norm, outcome.bandwidth, outcome.mbar)
+
+
+def branches_of(all_cases: list[Case], outcome: Designed) -> tuple[DesignBranch, ...]:
+    """What each branch's own program came to; nothing where there was one program for all."""
+    if len(outcome.parts) == 1:
+        return ()
+    names = all_cases[0].domain.arm.joint_names
+    return tuple(
+        DesignBranch(tuple(names[i] for i in joints), part.norm, part.solution.bound, part.bandwidth)
+        for part, joints in zip(outcome.parts, outcome.joints, strict=True)
+    )
 
 
 def read_bounds(arm: Arm, bounds: BoundsLike, form: Form) -> Bounds:
@@ -197,7 +221,7 @@ def _infeasible(
     objective: Objective,
     form: Form,
     limits: Bounds,
-    least: Exchanged,
+    least: Designed,
     seconds: float,
 ) -> DesignReport:
     return DesignReport(
@@ -208,11 +232,12 @@ def _infeasible(
         verdict="infeasible",
         mbar=None,
         check=None,
-        bound=least.solution.bound,
+        bound=least.bound,
         bandwidth=None,
         level=None,
         rounds=least.rounds,
         seconds=seconds,
+        branches=branches_of(all_cases, least),
         limits=limits_of(all_cases, condition, least),
-        by_armature=least.solution.by_armature,
+        by_armature=least.by_armature,
     )

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 
@@ -19,13 +20,18 @@ from asmc_pin.condition.norm.two_conditions import Condition
 from asmc_pin.condition.search.samples import NORM, SCALE, Domain, sample_box
 from asmc_pin.condition.search.worst_case import Found, maximise
 
+Stopped = Literal["met", "time", "rounds", "solver"]
+
 TOLERANCE = 1e-3
 """Of 1 − γ (or of μ): how far the searched worst case may lie from the program's bound at the end."""
 
 _SMALLER = 0.9
 """Share taken of the factor at which a search saw M̄ break the condition: it may have missed a worse place."""
 
-_SAMPLES, _STARTS, _FIRST, _TAKEN, _ROUNDS, _CONFIRMING = 2048, 24, 12, 8, 60, 6
+ROUNDS = 60
+"""Programs after which an exchange ends."""
+
+_SAMPLES, _STARTS, _FIRST, _TAKEN, _CONFIRMING = 2048, 24, 12, 8, 6
 
 
 @dataclass(frozen=True)
@@ -58,16 +64,18 @@ class Pace:
         tell: Called every round.
         clock: Runs since the beginning, compiling left out.
         doing: What is being looked for now, in words.
+        until: Time at which that has to end, where others come after it, s.
     """
 
     budget: float = np.inf
     tell: Callable[[DesignProgress], None] | None = None
     clock: Clock = field(default_factory=Clock)
     doing: str = ""
+    until: float = np.inf
 
     def left(self) -> float:
-        """Time left, s; below zero when it is up."""
-        return self.budget - self.clock.seconds()
+        """Time left for what is being done, s; below zero when it is up."""
+        return min(self.budget, self.until) - self.clock.seconds()
 
     def say(self, rounds: int, bound: float, norm: float) -> None:
         """Tell how it goes."""
@@ -81,7 +89,7 @@ class Active:
     """The configurations that the program knows, shared between programs on the same domains.
 
     Attributes:
-        domains: One per payload end and lock choice.
+        domains: One per payload end and lock choice, of the whole arm or all of one branch.
         masses: M_j, shape (configurations, nv, nv).
         q: Their configurations, shape (configurations, nv).
         armature: Their armatures, shape (configurations, nv).
@@ -96,19 +104,21 @@ class Active:
     case: IntArray = field(init=False)
 
     def __post_init__(self) -> None:
-        nv = self.domains[0].arm.nv
+        nv = self.joints.size
         self.masses, self.q, self.armature = np.empty((0, nv, nv)), np.empty((0, nv)), np.empty((0, nv))
         self.case = np.empty(0, dtype=np.int64)
         for index, domain in enumerate(self.domains):
             q = sample_box(domain.box, _FIRST, self.seed)
             self.add(index, q, np.tile(domain.armature_lower, (_FIRST, 1)))
 
+    @property
+    def joints(self) -> IntArray:
+        """Numbers of the joints that it is about."""
+        return self.domains[0].joints
+
     def add(self, case: int, q: Array, armature: Array) -> None:
         """Take in configurations of one domain."""
-        arm = self.domains[case].arm
-        extra = armature - arm.armature
-        masses = arm.mass_matrix(q) + np.einsum("bi,ij->bij", extra, np.eye(arm.nv))
-        self.masses = np.concatenate((self.masses, masses))
+        self.masses = np.concatenate((self.masses, self.domains[case].masses(q, armature)))
         self.q = np.concatenate((self.q, q))
         self.armature = np.concatenate((self.armature, armature))
         self.case = np.concatenate((self.case, np.full(len(q), case)))
@@ -132,7 +142,8 @@ class Exchanged:
         masses: What the last program knew: inertia matrices, shape (known, nv, nv), in the order of its weights.
         q: Their configurations, shape (known, nv).
         case: Index of their domain, shape (known,).
-        met: Whether search and program met; else the time was up, or they did not within the rounds allowed.
+        stopped: Why it ended: ``met``: search and program met. ``time``: it was up. ``rounds``: they did not meet in as
+            many programs as are allowed. ``solver``: it found no optimum.
     """
 
     solution: Solution
@@ -143,7 +154,12 @@ class Exchanged:
     masses: Array
     q: Array
     case: IntArray
-    met: bool
+    stopped: Stopped
+
+    @property
+    def met(self) -> bool:
+        """Whether search and program met."""
+        return self.stopped == "met"
 
 
 def exchange(
@@ -164,7 +180,7 @@ def exchange(
     pace = pace or Pace()
     configurations, effort, bound = 0, 1, 0.0
     best: Exchanged | None = None
-    for count in range(1, _ROUNDS + 1):
+    for count in range(1, ROUNDS + 1):
         pace.say(count, bound, np.inf if best is None else best.norm)
         if level is None:
             solution = contraction_program(active.masses, condition, bounds, pace.left())
@@ -174,7 +190,7 @@ def exchange(
         else:
             found_one = bandwidth_program(active.masses, condition, bounds, level, pace.left())
             if found_one is None:
-                return best
+                return None if best is None else replace(best, stopped="solver")
             solution = found_one
         pace.say(count, bound, np.inf if best is None else best.norm)
         goal = solution.value if level is None else level
@@ -216,7 +232,8 @@ def exchange(
         met = norm - goal <= TOLERANCE * abs(1.0 - goal) + 1e-9
         if level is not None:
             met = met and bandwidth >= solution.value * (1.0 - TOLERANCE)
-        now = Exchanged(solution, norm, bandwidth, count, configurations, *snapshot, met and effort > 1)
+        stopped: Stopped = "met" if met and effort > 1 else "rounds"
+        now = Exchanged(solution, norm, bandwidth, count, configurations, *snapshot, stopped)
         if now.met:
             return now
         # Stopped early, the M̄ of least norm that there was; with a level the last, of the program that knows most.
@@ -225,7 +242,7 @@ def exchange(
         if pace.left() <= 0.0:
             if level is None and best.norm >= 1.0:
                 best = _shrunk(active, condition, bounds, best)
-            return replace(best, solution=replace(best.solution, bound=bound), rounds=count)
+            return replace(best, solution=replace(best.solution, bound=bound), rounds=count, stopped="time")
         # A wider search has the last word; what it finds is taken in like the rest.
         effort = _CONFIRMING if met or new == 0 else 1
     return best

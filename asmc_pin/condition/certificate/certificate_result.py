@@ -6,16 +6,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-
 from asmc_pin._typing import Array
 from asmc_pin.condition.certificate.container import numbers
 from asmc_pin.condition.certificate.writing import Proof, seen, write
-from asmc_pin.condition.condition_report import bound_lines, scale_lines
-from asmc_pin.condition.hypotheses import Condition, Hypotheses, Where
+from asmc_pin.condition.condition_report import bound_lines, scale_lines, stop_lines
+from asmc_pin.condition.hypotheses import Hypotheses
+from asmc_pin.condition.judged import Judged
 from asmc_pin.condition.premises import worst_keys
 from asmc_pin.errors import ResultError
-from asmc_pin.words.shown import Shown
 
 if TYPE_CHECKING:
     from asmc_pin.condition.domain.arm_ranges import Case
@@ -24,7 +22,7 @@ Verdict = Literal["holds", "violated", "undecided"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class CertificateResult(Shown):
+class CertificateResult(Judged):
     """What is proven and what is refuted about M̄ over a joint box.
 
     Attributes:
@@ -81,36 +79,6 @@ class CertificateResult(Shown):
         """Relative distance of the two scales, (refuted − proven) / refuted; 1 where nothing is proven."""
         return (self.scale_refuted - self.scale_proven) / self.scale_refuted if self.scale_refuted > 0.0 else 1.0
 
-    @property
-    def arm(self) -> str:
-        """Name of the arm."""
-        return self.hypotheses.arm
-
-    @property
-    def joints(self) -> tuple[str, ...]:
-        """Its moving joints, base first."""
-        return self.hypotheses.joints
-
-    @property
-    def mbar(self) -> Array:
-        """Diagonal of M̄, shape (nv,), kg·m²."""
-        return np.array(self.hypotheses.mbar)
-
-    @property
-    def condition(self) -> Condition:
-        """``lemma1`` or ``weighted``."""
-        return self.hypotheses.condition
-
-    @property
-    def formula(self) -> str:
-        """The condition as an inequality, its level included."""
-        return self.hypotheses.formula
-
-    @property
-    def scope(self) -> Where:
-        """Over what: ``box`` or ``tube``."""
-        return self.hypotheses.where
-
     def headline(self) -> str:
         """The verdict, and what it is about."""
         return f"{self.hypotheses.title}: {self.verdict}  (certified, {self.boxes} boxes, {self.seconds:.1f} s)"
@@ -123,12 +91,8 @@ class CertificateResult(Shown):
             f"largest norm found {self.lower:.6g}",
             *scale_lines(self.scale_proven, self.scale_refuted),
             *bound_lines(self.upper),
-            f"it stopped because: {self.reason}",
+            *stop_lines(self.reason),
         ]
-
-    def remarks(self) -> list[str]:
-        """What a reader has to know."""
-        return [f"note: {line}" for line in self.notes]
 
     def save(self, path: str | Path) -> Path:
         """Write the proofs to a file that ``asmc-pin check`` replays.
@@ -175,4 +139,5 @@ class CertificateResult(Shown):
             "seconds": self.seconds,
             "scale_proven": self.scale_proven,
             "scale_refuted": self.scale_refuted,
+            "reason": self.reason,
         }

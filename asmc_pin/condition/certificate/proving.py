@@ -12,16 +12,16 @@ from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
 from asmc_pin.condition.certificate.certificate_result import CertificateResult, Verdict
 from asmc_pin.condition.certificate.compiled.bisection_tree import LEAF
+from asmc_pin.condition.certificate.stopping import FREED, INTERRUPTED
 from asmc_pin.condition.certificate.strategy import ProofProgress, Prover
 from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.certificate.worst_known import Worst
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, LockChoices, PayloadRange
-from asmc_pin.condition.domain.joint_box import BoxLike
+from asmc_pin.condition.domain.joint_box import BoxLike, idle_note
 from asmc_pin.condition.domain.statement_cases import domains
 from asmc_pin.condition.norm.two_conditions import Condition, check_condition, check_mbar
 from asmc_pin.condition.premises import hypotheses_of
 from asmc_pin.errors import ParameterError
-from asmc_pin.words.text import printable
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -128,7 +128,7 @@ def certify(
             if levels and prover.scale >= 1.0:
                 prover.lower_level(max(2.0, 2.0 * (time.monotonic() - began)))
     except KeyboardInterrupt:
-        prover.reason = "interrupted"
+        prover.reason = INTERRUPTED
     upper = prover.level if prover.level is not None else (1.0 if prover.scale >= 1.0 else None)
     verdict: Verdict = "undecided"
     if worst.norm >= asked or (asked == 1.0 and worst.scale <= 1.0):
@@ -157,7 +157,7 @@ def certify(
         seconds=clock.seconds(),
         history=tuple(prover.history),
         reason=prover.reason,
-        notes=_notes(all_cases[0]),
+        notes=(*_notes(all_cases[0]), *([f"not proven; {prover.unable}"] if prover.unable and upper is None else [])),
         cases=all_cases,
         proofs=proofs,
     )
@@ -169,6 +169,6 @@ def _check(name: str, value: float, good: bool, expected: str) -> None:
 
 
 def _notes(case: Any) -> tuple[str, ...]:
-    arm, idle = case.domain.arm, case.domain.box.idle
-    names = ", ".join(f"'{printable(name)}'" for name, still in zip(arm.joint_names, idle, strict=True) if still)
-    return (f"M(q) does not depend on joint {names}, which carries the whole arm",) if names else ()
+    said = idle_note(case.domain.arm, case.domain.box)
+    notes = (said,) if said else ()
+    return (*notes, FREED) if case.domain.arm.mimics else notes

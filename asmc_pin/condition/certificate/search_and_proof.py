@@ -53,6 +53,7 @@ def certified(report: ConditionReport, result: CertificateResult) -> ConditionRe
         upper=None if verdict == "violated" else result.upper,
         scale_proven=result.scale_proven,
         scale_refuted=refuted,
+        reason=result.reason,
         worst_q=report.worst_q if searched else result.worst_q,
         worst_armature=report.worst_armature if searched else result.worst_armature,
         worst_case=report.worst_case if searched else result.worst_case,

@@ -12,18 +12,17 @@ The last two are written as forms of two twists per link, v = J x and w = J N (x
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.certificate.compiled.working_state import Problem
+from asmc_pin.condition.certificate.mimic_shares import unfold
+from asmc_pin.condition.certificate.statement import Statement
 
 if TYPE_CHECKING:
     from asmc_pin.rigid_body.tree import Tree
-
-Kind = Literal["weighted", "bounded", "lemma1", "level"]
 
 SPREAD = 0.05
 """Share of the rigid metric in the metric of losses; from 0.01 to 1 the number of boxes changes by a factor of two."""
@@ -34,27 +33,6 @@ MARGIN = 1e-9
 DATA = 1e-13
 """Share of each body's largest possible inertia that is taken off for the last digits of the arm's data: some hundred
 times what turning frames and weighing by M̄ round."""
-
-
-@dataclass(frozen=True, eq=False)
-class Statement:
-    """One positivity statement.
-
-    Attributes:
-        kind: See the module's text.
-        scale: f.
-        level: γ; 1 for the condition itself.
-        case: Index of the arm among those of the certificate (payload ends, locked joints).
-        armature: Shape (nv,), kg·m².
-        slack: Range of the armature that the statement covers beyond `armature`, shape (nv,), kg·m².
-    """
-
-    kind: Kind
-    scale: float
-    level: float
-    case: int
-    armature: Array
-    slack: Array
 
 
 def canonical(tree: Tree) -> tuple[Array, Array]:
@@ -83,7 +61,7 @@ def canonical(tree: Tree) -> tuple[Array, Array]:
 
 
 def problem_of(tree: Tree, lower: Array, upper: Array, mbar: Array, statement: Statement) -> Problem:
-    """A statement in compiled form.
+    """A statement in compiled form; where joints mimic others, one that is sufficient for it (`mimic_shares`).
 
     Args:
         tree: The arm; its own armature is not used.
@@ -95,16 +73,19 @@ def problem_of(tree: Tree, lower: Array, upper: Array, mbar: Array, statement: S
     Returns:
         The problem; its arrays are its own.
     """
+    share = even = np.ones(tree.joints)
+    if tree.coupling.follows:
+        tree, lower, upper, mbar, statement, share, even = unfold(tree, lower, upper, mbar, statement)
     n = tree.nv
     place, rigid = canonical(tree)
     f = statement.scale * (1.0 + MARGIN)
     gamma, armature, slack = statement.level, statement.armature, statement.slack
     if statement.kind == "weighted":
         link, motion = rigid.copy(), np.ones((n, 1, 1))
-        joint = (armature - f / (1.0 + gamma) * mbar)[:, None, None]
+        joint = (armature - f / (1.0 + gamma) * mbar * share)[:, None, None]
     elif statement.kind == "bounded":
         link, motion = -rigid, np.ones((n, 1, 1))
-        joint = (statement.scale * (1.0 - MARGIN) / (1.0 - gamma) * mbar - armature - slack)[:, None, None]
+        joint = (statement.scale * (1.0 - MARGIN) / (1.0 - gamma) * mbar * share - armature - slack)[:, None, None]
     else:
         # Joint velocities in units of M̄^(-1/2), and the two twists brought to one size.
         middle = np.sqrt(mbar.min() * mbar.max())
@@ -113,14 +94,14 @@ def problem_of(tree: Tree, lower: Array, upper: Array, mbar: Array, statement: S
         link[:, :6, 6:] = link[:, 6:, :6] = rigid
         if statement.kind == "lemma1":
             motion = np.stack((v, w), axis=1)[:, :, None]
-            joint = (2.0 * armature - f * mbar)[:, None, None]
+            joint = (2.0 * armature - f * mbar * share)[:, None, None]
         else:
             s = np.sqrt((1.0 - gamma) * (1.0 + gamma))
             motion = np.zeros((n, 2, 2))
             motion[:, 0, 0], motion[:, 1, 0], motion[:, 1, 1] = v, w, s * w
             joint = np.zeros((n, 2, 2))
-            joint[:, 0, 0] = 2.0 * armature - f * mbar
-            joint[:, 1, 1] = statement.scale * (1.0 - MARGIN) * mbar
+            joint[:, 0, 0] = 2.0 * armature - f * mbar * share
+            joint[:, 1, 1] = statement.scale * (1.0 - MARGIN) * mbar * even
             joint[:, 0, 1] = joint[:, 1, 0] = s * armature
             # a [[2, s], [s, 0]], a in [0, slack], is at least slack times its negative part, 1 − √(1 + s²).
             values, vectors = np.linalg.eigh(np.array([[2.0, s], [s, 0.0]]))

@@ -10,12 +10,17 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from asmc_pin._typing import Array, IntArray
-from asmc_pin.condition.certificate.statement_forms import Kind, Statement, problem_of
+from asmc_pin.condition.certificate import stopping
+from asmc_pin.condition.certificate.mimic_shares import halved
+from asmc_pin.condition.certificate.statement import Kind, Statement
+from asmc_pin.condition.certificate.statement_forms import MARGIN, problem_of
+from asmc_pin.condition.certificate.stopping import Obstacle
 from asmc_pin.condition.certificate.walk import UNKNOWN, Record, Walk, in_joints, prove
 from asmc_pin.condition.certificate.worst_known import Worst
 from asmc_pin.condition.certificate.writing import Proof
 from asmc_pin.condition.domain.along_motion import armature_ends
 from asmc_pin.condition.domain.base_branches import branch_of, branches
+from asmc_pin.condition.domain.payload_ranges import has_places
 from asmc_pin.condition.norm.two_conditions import Condition
 
 if TYPE_CHECKING:
@@ -48,6 +53,17 @@ class ProofProgress:
     seconds: float
 
 
+def unprovable(cases: Sequence[Case]) -> str:
+    """Why nothing is proven of some cases; empty where all that matters is covered by them."""
+    arms = [case.domain.arm for case in cases]
+    if has_places([arm.payload for arm in arms]):
+        return stopping.PLACES
+    return ""
+
+
+_CUTS = 128
+"""How often a box of joints that mimic others is cut, each piece with shares of its own."""
+
 _QUICK = 0.1
 """Share of the time left below which an attempt was quick, and the next may ask for all at once."""
 
@@ -63,6 +79,8 @@ class Prover:
         tests: Boxes tested.
         worst: What is refuted.
         reason: Why it stopped.
+        obstacle: Where the last attempt did not get on, though nothing contradicts it.
+        unable: Why it proves nothing of these arms; empty where it may.
     """
 
     def __init__(
@@ -86,26 +104,29 @@ class Prover:
         self.history: list[tuple[float, float]] = []
         self.tests = 0
         self.reason = ""
+        self.obstacle: Obstacle | None = None
+        self.unable = unprovable(cases)
 
     def raise_scale(self, gap: float) -> None:
         """Prove the condition for larger and larger factors of M̄, until the gap is met and M̄ itself is decided."""
-        ceiling, too_small, patient, took = np.inf, False, False, 0.0
+        ceiling, patient, took = np.inf, False, 0.0
+        blocked: str | None = None
         while True:
             refuted = self.worst.scale
             if refuted <= 0.0:
-                self.reason = "no positive multiple of M̄ satisfies Lemma 1"
+                self.reason = stopping.NO_MULTIPLE
                 return
             # A hair closer, so that the gap is met in floating point too.
             goal = refuted * (1.0 - gap * (1.0 - 1e-9))
             if self.scale >= goal:
                 if not self.scale < 1.0 < refuted:
-                    self.reason = "the gap is met"
+                    self.reason = stopping.GAP_MET
                     return
                 goal = 1.0
             if self.scale == 0.0:
                 # Something to say, soon; less if even half is too much.
                 trying = 0.5 * min(ceiling, refuted)
-            elif goal < ceiling:
+            elif goal < ceiling * (1.0 - MARGIN):
                 # M̄ itself is what was asked about. Where a step takes its time, a quarter of the gap at once, so that
                 # there is news in between.
                 target = 1.0 if self.scale < 1.0 < min(refuted, ceiling) else goal
@@ -117,8 +138,8 @@ class Prover:
                 if self.scale < 1.0 < trying:
                     trying = 1.0
             near = (refuted - self.scale) < 1.15 * (refuted - ceiling) or trying < 1e-3 * refuted
-            if near and too_small:
-                self.reason = "cells got too small to go on"
+            if near and blocked is not None:
+                self.reason = blocked
                 return
             if near:
                 ceiling, patient = np.inf, True
@@ -130,24 +151,53 @@ class Prover:
                 self.scale = trying
                 self.history.append((time.monotonic() - self.began, trying))
             elif outcome == "stopped":
-                self.reason = "out of time"
+                self.reason = self.unable or stopping.OUT_OF_TIME
                 return
-            elif outcome == "slow" or self.worst.scale >= refuted:
-                ceiling, too_small = trying, outcome == "blocked"
+            elif outcome == "slow":
+                ceiling, blocked = trying, None
+            elif self.worst.scale >= refuted * (1.0 - MARGIN):
+                # Less than that is no news, and would be tried for ever.
+                ceiling, blocked = trying, self.why_blocked(self.worst.scale - trying, trying)
 
     def lower_level(self, seconds: float, goal: float | None = None) -> None:
-        """Prove lower and lower levels of M̄ itself; with a goal only that one."""
-        self.deadline = min(self.deadline, time.monotonic() + seconds)
+        """Prove lower and lower levels of M̄ itself, in addition to its scale; with a goal only that one."""
+        late = self.unable or stopping.OUT_OF_TIME
+        if not self.unable and (until := time.monotonic() + seconds) < self.deadline:
+            self.deadline, late = until, stopping.SHARE_SPENT
+        why = ""
         for share in (0.5, 0.2, 0.05) if goal is None else (0.0,):
             level = goal if goal is not None else 1.0 - (1.0 - self.worst.norm) * (1.0 - share)
             if not self.worst.norm < level < 1.0:
-                return
+                why = stopping.NORM_REFUTED
+                break
             outcome = self._attempt(self._level_statements(level), f"level {level:.6g}", goal is not None, "level")
             if outcome == "proven":
-                self.level = level
-            elif outcome != "slow":
-                self.reason = self.reason or ("out of time" if outcome == "stopped" else "cells got too small to go on")
-                return
+                self.level, why = level, stopping.LEVEL_PROVEN if goal is not None else ""
+            elif outcome == "blocked" and self.worst.norm < level:
+                why = self.why_blocked(level - self.worst.norm, level)
+                break
+            elif outcome == "blocked":
+                why = stopping.NORM_REFUTED
+            else:
+                why = late if outcome == "stopped" else stopping.TOO_SLOW
+                if outcome == "stopped":
+                    break
+        if goal is not None:
+            self.reason = why
+        elif why:
+            self.reason = f"{self.reason}; the bound of the norm is not lower because: {why}"
+
+    def why_blocked(self, left: float, of: float) -> str:
+        """Why the last attempt was blocked.
+
+        Args:
+            left: How far what was tried is from what is refuted.
+            of: What was tried.
+        """
+        assert self.obstacle is not None
+        if self._cases[0].domain.arm.mimics:
+            return stopping.SHARES
+        return self.obstacle.reason(near=left <= stopping.NEAREST * of)
 
     def _scale_statements(self, scale: float) -> list[Statement]:
         # Both conditions only gain by armature: its lower end covers the range.
@@ -173,35 +223,64 @@ class Prover:
 
     def _attempt(self, statements: list[Statement], label: str, patient: bool, key: str = "scale") -> Outcome:
         """Prove all of some statements, or say why not; where one is not positive, search on from there."""
+        if self.unable:
+            return "stopped"
         proofs = []
-        parts = [branches(self._cases[statement.case].domain.arm.tree.parent) for statement in statements]
+        parts = [branches(self._cases[statement.case].domain.arm.tree) for statement in statements]
         number, count = 0, sum(map(len, parts))
         for statement, mine in zip(statements, parts, strict=True):
             records = []
             for joints in mine:
                 watch = _Watch(self, label, patient, number, count)
-                walk = self._walk(statement, joints, watch)
-                self.tests += walk.tests
+                walk, own = self._branch(statement, joints, watch)
                 if walk.status == "stopped":
                     return "slow" if watch.slow else "stopped"
                 if walk.q is not None:
                     # The other branches do not matter to this one: anywhere will do.
-                    q = np.array(self._cases[statement.case].domain.box.centre)
-                    q[joints] = walk.q
+                    domain = self._cases[statement.case].domain
+                    q = np.array(domain.box.centre)
+                    q[joints] = walk.q[branch_of(domain.arm.tree, joints).coupling.leader]
                     self.worst.climb(statement.case, q, statement.armature)
+                    self.obstacle = Obstacle(walk.status, statement, q)
                     return "blocked"
-                records.append(in_joints(walk.record, joints))
+                records += own
                 number += 1
             proofs.append(Proof(statement, np.concatenate(records)))
         self.proofs[key] = tuple(proofs)
         return "proven"
 
-    def _walk(self, statement: Statement, joints: IntArray, watch: _Watch) -> Walk:
-        """Bisect the box of one branch, beginning with the halvings of the last walk of it that was one to the end."""
+    def _branch(self, statement: Statement, joints: IntArray, watch: _Watch) -> tuple[Walk, list[Record]]:
+        """Prove one branch's box, in pieces where joints mimic others; the last walk, and the records of all."""
         domain = self._cases[statement.case].domain
-        lower, upper = domain.box.lower[joints], domain.box.upper[joints]
+        tree, whole = branch_of(domain.arm.tree, joints), domain.box.of(joints)
+        pieces, cuts = [(whole.lower, whole.upper)], 0
+        records: list[Record] = []
+        while True:
+            piece = pieces.pop()
+            walk = self._walk(statement, joints, piece, watch)
+            self.tests += walk.tests
+            if walk.status == "proven":
+                # Of joints that mimic others no record is written, and there is none in the arm's own numbers.
+                records.append(walk.record if tree.coupling.follows else in_joints(walk.record, joints))
+                if pieces:
+                    continue
+                return walk, records
+            # What is only sufficient loses less over a smaller box.
+            halves = halved(tree, whole, piece) if tree.coupling.follows and walk.q is not None else []
+            if not halves or cuts == _CUTS:
+                return walk, records
+            if time.monotonic() > self.deadline:
+                return replace(walk, status="stopped"), records
+            pieces += halves
+            cuts += 1
+
+    def _walk(self, statement: Statement, joints: IntArray, box: tuple[Array, Array], watch: _Watch) -> Walk:
+        """Bisect a box of one branch, beginning with the halvings of the last walk of it that was one to the end."""
+        domain = self._cases[statement.case].domain
+        lower, upper = box
         own = replace(statement, armature=statement.armature[joints], slack=statement.slack[joints])
-        name = statement.kind, statement.case, int(joints[0]), statement.armature.tobytes()
+        place = np.concatenate((statement.armature, lower, upper)).tobytes()
+        name = statement.kind, statement.case, int(joints[0]), place
         walk = prove(
             problem_of(branch_of(domain.arm.tree, joints), lower, upper, self._mbar[joints], own),
             hint=self._hints.get(name, UNKNOWN),

@@ -17,10 +17,9 @@ from asmc_pin.condition.certificate.compiled.working_state import Problem
 Record = bisection_tree.Bytes
 """A bisection in preorder: see `bisection_tree`."""
 
-Status = Literal["proven", "refuted", "stuck", "stopped"]
+Status = Literal["proven", "refuted", "narrow", "rounding", "stopped"]
 
 UNKNOWN: Record = np.array([bisection_tree.LEAF], dtype=np.uint8)
-_DEEP = 1024
 _SLICE = 0.05  # s of one compiled call, between which threads share work and heed a stop
 
 
@@ -29,12 +28,13 @@ class Walk:
     """What a bisection came to.
 
     Attributes:
-        status: ``proven``; ``refuted``: not positive at `q`, up to rounding; ``stuck``: a cell near `q` got too small;
-            ``stopped``: by the clock or the caller.
+        status: ``proven``; ``refuted``: not positive at `q`, up to rounding; ``rounding``: not even `q` alone is
+            proven, though it is positive there; ``narrow``: that is proven, and a cell around it is not that was halved
+            as often as any is; ``stopped``: by the clock or the caller.
         record: What was done, also where it stopped: what is open stands in it as a leaf.
         tests: Boxes tested.
         volume: Share of the box that is proven.
-        q: Shape (nv,), for ``refuted`` and ``stuck``.
+        q: Shape (nv,), where it did not get on.
     """
 
     status: Status
@@ -148,9 +148,19 @@ class _Crew:
             self.volume += volume
         if status == bisection_tree.HIT:
             self.stop("refuted", q)
-        elif status == bisection_tree.STUCK:
-            self.stop("stuck", q)
+        elif status == bisection_tree.NARROW:
+            self.stop("narrow" if _holds_at(self.problem, q) else "rounding", q)
+        elif status == bisection_tree.WHOLE:
+            self.stop("rounding", q)
         return max(8, min(4 * most, int(most * _SLICE / max(took, 1e-6))))
+
+
+def _holds_at(problem: Problem, q: Array) -> bool:
+    """Whether a statement is proven at one configuration alone."""
+    stack = np.zeros((3, q.size), dtype=np.int64)
+    point = problem._replace(lower=q.copy(), upper=q.copy())
+    status = bisection_tree.explore(point, stack, stack.copy(), 1, UNKNOWN, 1, UNKNOWN.copy())[0]
+    return bool(status == bisection_tree.DONE)
 
 
 def in_joints(record: Record, joints: IntArray) -> Record:
@@ -202,7 +212,8 @@ def prove(
         What it came to.
     """
     n = problem.parent.size
-    stack = np.zeros((_DEEP, n), dtype=np.int64)
+    # Depth first, each halving leaves one box more, and a box is halved at most this often.
+    stack = np.zeros((bisection_tree.DEEPEST * n + 3, n), dtype=np.int64)
     first = _Segment(stack, stack.copy(), 1, hint)
     crew = _Crew(problem, first, threads)
     workers = [threading.Thread(target=crew.work, daemon=True) for _ in range(threads)]

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.norm import compiled_norms
 from asmc_pin.condition.norm.two_conditions import Condition
 from asmc_pin.condition.search.samples import NORM, SCALE, evaluate
-from asmc_pin.condition.search.worst_case import Found, maximise
+from asmc_pin.condition.search.worst_case import Found, breaking_factor, maximise
 
 if TYPE_CHECKING:
     from asmc_pin.condition.domain.arm_ranges import Case
@@ -55,15 +54,10 @@ class Worst:
         domain = self._cases[case].domain
         scale_kind, norm_kind = SCALE[self._condition], NORM[self._condition]
         at = found.q[None, :]
-        scale = _factor(scale_kind, float(evaluate(scale_kind, domain.arm, at, self._mbar, found.armature)[0]))
-        norm = float(evaluate(norm_kind, domain.arm, at, self._mbar, found.armature)[0])
+        scale = breaking_factor(scale_kind, float(evaluate(scale_kind, domain.tree, at, self._mbar, found.armature)[0]))
+        norm = float(evaluate(norm_kind, domain.tree, at, self._mbar, found.armature)[0])
         if scale * (1.0 + STRICT) < self.scale:
             self.scale, self.scale_q = scale * (1.0 + STRICT), found.q
             self.scale_armature, self.scale_case = found.armature, case
         if norm > self.norm:
             self.norm, self.norm_q, self.norm_armature, self.norm_case = norm, found.q, found.armature, case
-
-
-def _factor(kind: int, value: float) -> float:
-    """The factor of M̄ at which the condition breaks, from its figure."""
-    return max(-value, 0.0) if kind == compiled_norms.LEMMA1_SCALE else 2.0 / value

@@ -22,10 +22,12 @@ from asmc_pin.condition.certificate.container import (
     digest,
     numbers,
 )
-from asmc_pin.condition.certificate.statement_forms import Statement
+from asmc_pin.condition.certificate.statement import Statement
 from asmc_pin.condition.certificate.walk import Record
+from asmc_pin.condition.domain.payload_ranges import has_places
 from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import ResultError
+from asmc_pin.words.provisos import provisos_json
 
 if TYPE_CHECKING:
     from asmc_pin.condition.domain.arm_ranges import Case
@@ -47,7 +49,12 @@ def write(path: Path, figures: dict[str, Any], cases: Sequence[Case], proofs: Se
         figures: What the header says besides what follows from the other arguments.
         cases: The arms that the statements speak of.
         proofs: Statements and how they are proven.
+
+    Raises:
+        ResultError: The checker could not read it, or it cannot be written.
     """
+    if cases[0].domain.arm.mimics or has_places([case.domain.arm.payload for case in cases]):
+        raise ResultError(path, "joints that mimic others and ranges of a payload's place are in no certificate")
     records = [proof.record for proof in proofs]
     arm = cases[0].domain.arm
     header: dict[str, Any] = {
@@ -57,6 +64,8 @@ def write(path: Path, figures: dict[str, Any], cases: Sequence[Case], proofs: Se
         "sha256": arm.sha256,
         "urdf_sha256": hashlib.sha256(arm.urdf_text.encode()).hexdigest(),
         "joints": list(arm.joint_names),
+        # Left out where there are none: such a certificate is the same as before there were any.
+        **({"provisos": provisos_json(arm.provisos)} if arm.provisos else {}),
         **figures,
         "cases": [_case(case) for case in cases],
         "statements": [

@@ -11,6 +11,7 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.domain.arm_ranges import Case
+from asmc_pin.condition.domain.base_branches import branch_of, branches
 from asmc_pin.condition.domain.joint_box import resolve_box
 from asmc_pin.condition.norm.two_conditions import Condition
 from asmc_pin.condition.search.samples import NORM, Domain, evaluate
@@ -123,13 +124,18 @@ def norms_along(
     Returns:
         The norms, shape (T,), and the armature that gives each, shape (T, nv).
     """
-    best = np.full(len(q), -np.inf)
+    largest = np.full(len(q), -np.inf)
     worst = np.empty_like(q)
-    for armature in armature_ends(lower, upper):
-        values = evaluate(NORM[condition], arm, q, mbar, armature)
-        higher = values > best
-        best[higher], worst[higher] = values[higher], armature
-    return best, worst
+    # Branch by branch: the blocks of M(q) have the ends of their own joints only.
+    for joints in branches(arm.tree):
+        tree, mine = branch_of(arm.tree, joints), np.ascontiguousarray(q[:, joints])
+        best = np.full(len(q), -np.inf)
+        for armature in armature_ends(lower[joints], upper[joints]):
+            values = evaluate(NORM[condition], tree, mine, mbar[joints], armature)
+            higher = values > best
+            best[higher], worst[np.ix_(higher, joints)] = values[higher], armature
+        largest = np.maximum(largest, best)
+    return largest, worst
 
 
 def armature_ends(lower: Array, upper: Array) -> Array:

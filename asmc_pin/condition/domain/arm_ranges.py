@@ -1,7 +1,8 @@
 """The arms that one statement speaks of: payload and armature ranges, choices of locked joints.
 
 M is affine in the mass of a payload (fixed centre and shape) and in the armature, and both conditions are linear matrix
-inequalities in M: they hold between two ends where they hold at both. So a range costs its ends and nothing more.
+inequalities in M: they hold between two ends where they hold at both. So a range costs its ends and nothing more; one
+of a payload's place costs more, and is not covered (`payload_ranges`).
 """
 
 from __future__ import annotations
@@ -15,15 +16,14 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.domain.joint_box import BoxLike, asked_box, resolve_box
+from asmc_pin.condition.domain.payload_ranges import PayloadRange as PayloadRange
+from asmc_pin.condition.domain.payload_ranges import carrying
 from asmc_pin.condition.search.samples import Domain
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.text import printable
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
-
-PayloadRange: TypeAlias = Any
-"""What `load_arm` takes as a payload, or a tuple of two such: the ends of a range."""
 
 ArmatureRange: TypeAlias = (
     "float | tuple[float, float] | Sequence[float | tuple[float, float]] | Array | Mapping[str, Any] | None"
@@ -64,16 +64,16 @@ def cases(
         lock: See `LockChoices`.
 
     Returns:
-        One case per payload end and lock choice.
+        One case per payload that is looked at (`payload_ranges`) and lock choice.
 
     Raises:
         ParameterError: A malformed or empty range, or an unknown joint.
     """
     found = []
     for held, lock_label in _locked(arm, lock):
-        for carrying, load_label in _carrying(held, payload):
-            lower, upper = armature_range(carrying, armature)
-            domain = Domain(carrying, resolve_box(carrying, asked_box(carrying, box)), lower, upper)
+        for laden, load_label in carrying(held, payload):
+            lower, upper = armature_range(laden, armature)
+            domain = Domain(laden, resolve_box(laden, asked_box(laden, box)), lower, upper)
             found.append(Case(domain, ", ".join(filter(None, (lock_label, load_label)))))
     return found
 
@@ -98,33 +98,6 @@ def _locked(arm: Arm, lock: LockChoices) -> list[tuple[Arm, str]]:
         label = ", ".join(f"{printable(joint)} locked at {value:g}" for joint, value in chosen) if several else ""
         found.append((arm.replace(lock={**asked, **dict(chosen)}), label))
     return found
-
-
-def _carrying(arm: Arm, payload: PayloadRange) -> list[tuple[Arm, str]]:
-    if payload is None:
-        return [(arm, "")]
-    if not isinstance(payload, tuple):
-        return [(arm.replace(payload=payload), "")]
-    if len(payload) != 2:
-        raise ParameterError(
-            "payload", f"{len(payload)} values given, one payload or a range (lightest, heaviest) expected"
-        )
-    ends = [arm.replace(payload=end) for end in payload]
-    loads = [end.payload for end in ends]
-    masses = [load.mass if load is not None else 0.0 for load in loads]
-    if masses[0] > masses[1]:
-        raise ParameterError("payload", f"the range {masses[0]:g}:{masses[1]:g} is empty: lower end above upper end")
-    light, heavy = loads
-    if light and heavy and light.mass > 0.0 and (light.com, light.link) != (heavy.com, heavy.link):
-        raise ParameterError(
-            "payload",
-            "the ends have different centres or links, and between such the condition need not hold; verify each alone",
-        )
-    if masses[0] == masses[1] > 0.0 and light != heavy:
-        raise ParameterError("payload", f"both ends weigh {masses[0]:g} kg; a range has a lighter and a heavier end")
-    if light == heavy:
-        ends, masses = ends[:1], masses[:1]
-    return [(end, f"payload {mass:g} kg") for end, mass in zip(ends, masses, strict=True)]
 
 
 def armature_range(arm: Arm, armature: ArmatureRange) -> tuple[Array, Array]:

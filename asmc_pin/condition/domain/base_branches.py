@@ -9,30 +9,37 @@ from __future__ import annotations
 import numpy as np
 
 from asmc_pin._typing import IntArray
+from asmc_pin.rigid_body.coupling import Coupling
 from asmc_pin.rigid_body.tree import Tree
 
 
-def branches(parent: IntArray) -> list[IntArray]:
-    """The joints of each branch, in the order of their first joints.
+def branches(tree: Tree) -> list[IntArray]:
+    """The coordinates of each branch, in the order of their first ones.
+
+    Branches that have a coordinate in common, because a joint of one mimics a joint of another, are one.
 
     Args:
-        parent: Index of each joint's parent, −1 for the base, parents before children, shape (nv,).
+        tree: The arm.
 
     Returns:
-        Indices of joints, each ascending; one array for an arm with one joint on the base.
+        Indices of coordinates, each ascending; one array for an arm with one joint on the base.
     """
-    root = np.arange(len(parent))
-    for i, before in enumerate(parent):
+    coordinate = tree.coupling.coordinate
+    group = np.arange(tree.nv)
+    for joint, before in enumerate(tree.parent):
         if before >= 0:
-            root[i] = root[before]
-    return [np.flatnonzero(root == first) for first in np.flatnonzero(np.asarray(parent) < 0)]
+            one, other = group[coordinate[joint]], group[coordinate[before]]
+            group[group == max(one, other)] = min(one, other)
+    return [np.flatnonzero(group == first) for first in np.unique(group)]
 
 
-def branch_of(tree: Tree, joints: IntArray) -> Tree:
-    """The tree of one branch alone."""
-    if len(joints) == tree.nv:
+def branch_of(tree: Tree, coordinates: IntArray) -> Tree:
+    """The tree of one branch alone, with what mimics its joints."""
+    if len(coordinates) == tree.nv:
         return tree
-    place = np.full(tree.nv + 1, -1)  # the last entry is that of the base, −1
+    coupling = tree.coupling
+    joints = np.flatnonzero(np.isin(coupling.coordinate, coordinates))
+    place = np.full(tree.joints + 1, -1)  # the last entry is that of the base, −1
     place[joints] = np.arange(len(joints))
     return Tree(
         parent=place[tree.parent[joints]],
@@ -43,6 +50,12 @@ def branch_of(tree: Tree, joints: IntArray) -> Tree:
         mass=tree.mass[joints],
         com=tree.com[joints],
         inertia=tree.inertia[joints],
-        armature=tree.armature[joints],
+        armature=tree.armature[coordinates],
         gravity=tree.gravity,
+        coupling=Coupling(
+            np.searchsorted(coordinates, coupling.coordinate[joints]),
+            coupling.ratio[joints],
+            coupling.offset[joints],
+            place[coupling.leader[coordinates]],
+        ),
     )

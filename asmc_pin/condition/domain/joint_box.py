@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from asmc_pin._typing import Array, BoolArray
+from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.arms.urdf.magnitudes import LIMIT
 from asmc_pin.condition.hypotheses import WHOLE_TURN
 from asmc_pin.errors import ParameterError
+from asmc_pin.words.text import quoted
 from asmc_pin.words.units import check_range
 
 if TYPE_CHECKING:
@@ -30,8 +31,9 @@ class Box:
     Attributes:
         lower: Shape (nv,), rad (m where prismatic).
         upper: The same.
-        periodic: Joints whose range is a full turn, so that its ends are the same configuration.
-        idle: Joints that M does not depend on, because they carry the whole arm.
+        periodic: Joints whose range is a full turn, so that its ends are the same configuration; none whose followers
+            would be elsewhere.
+        idle: Joints that M does not depend on: those on the base, which move all that hangs on them as a whole.
     """
 
     lower: Array
@@ -49,10 +51,24 @@ class Box:
         """The middle of the box, shape (nv,)."""
         return 0.5 * (self.lower + self.upper)
 
+    def of(self, joints: IntArray) -> Box:
+        """The box of some of the joints."""
+        return Box(self.lower[joints], self.upper[joints], self.periodic[joints], self.idle[joints])
+
     def wrap(self, q: Array) -> Array:
         """The configuration of the box that is q up to whole turns of periodic joints; others are clipped."""
         turned = self.lower + np.mod(q - self.lower, FULL_TURN)
         return np.clip(np.where(self.periodic, turned, q), self.lower, self.upper)
+
+
+def idle_note(arm: Arm, box: Box) -> str:
+    """What to say of the joints that M does not depend on; empty where there is none."""
+    names = [quoted(name) for name, idle in zip(arm.joint_names, box.idle, strict=True) if idle]
+    if not names:
+        return ""
+    if len(names) == 1:
+        return f"M(q) does not depend on joint {names[0]}, which carries the whole arm"
+    return f"M(q) does not depend on joints {', '.join(names)}: each hangs on the base and moves its branch as a whole"
 
 
 def asked_box(arm: Arm, box: BoxLike) -> BoxLike:
@@ -99,11 +115,13 @@ def resolve_box(arm: Arm, box: BoxLike = None) -> Box:
             raise ParameterError(
                 "box", f"the range {lo:g}:{hi:g} given for joint '{name}', ends within ±{LIMIT:g} expected"
             )
-    periodic = kinds & (upper - lower >= WHOLE_TURN)
+    periodic = kinds & (upper - lower >= WHOLE_TURN) & arm.returns
     middle = 0.5 * (lower + upper)
     lower = np.where(periodic, middle - np.pi, lower)
     upper = np.where(periodic, middle + np.pi, upper)
-    return Box(lower, upper, periodic, np.asarray(arm.tree.parent < 0))
+    coordinate = arm.tree.coupling.coordinate
+    idle = np.array([bool(np.all(arm.tree.parent[coordinate == i] < 0)) for i in range(arm.nv)], dtype=np.bool_)
+    return Box(lower, upper, periodic, idle)
 
 
 def _named(arm: Arm, box: Mapping[str, Sequence[float]]) -> tuple[Array, Array]:

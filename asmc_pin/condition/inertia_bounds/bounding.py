@@ -12,11 +12,12 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
 from asmc_pin.condition.certificate.compiled.bisection_tree import LEAF
-from asmc_pin.condition.certificate.strategy import ProofProgress
+from asmc_pin.condition.certificate.stopping import INTERRUPTED
+from asmc_pin.condition.certificate.strategy import ProofProgress, unprovable
 from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.certificate.writing import Proof, seen
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases
-from asmc_pin.condition.domain.joint_box import BoxLike
+from asmc_pin.condition.domain.joint_box import BoxLike, idle_note
 from asmc_pin.condition.inertia_bounds.bounds_report import Bound, BoundsReport
 from asmc_pin.condition.inertia_bounds.eigenvalue_prover import EigenvalueProver
 from asmc_pin.condition.inertia_bounds.extreme_eigenvalue import Extreme, Side
@@ -25,7 +26,6 @@ from asmc_pin.condition.inertia_bounds.seen import largest_condition_number, lar
 from asmc_pin.condition.inertia_bounds.velocity_force_bound import velocity_force_bound
 from asmc_pin.condition.premises import ends_of, premises_of
 from asmc_pin.errors import ParameterError
-from asmc_pin.words.text import printable
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -87,7 +87,7 @@ def bounds(
     clock = Clock()
     extremes = [Extreme(all_cases, weights, side, samples=_SAMPLES, starts=_STARTS, seed=seed) for side in _SIDES]
     proven: list[float | None] = [None, None]
-    reasons = ["interrupted", "interrupted"]
+    reasons = [INTERRUPTED, INTERRUPTED]
     proofs: list[Proof] = []
     tests = sum(extreme.evaluations for extreme in extremes)
     try:
@@ -104,7 +104,7 @@ def bounds(
             try:
                 prover.raise_scale(gap)
             finally:
-                proven[k], reasons[k] = prover.bound, prover.reason or "interrupted"
+                proven[k], reasons[k] = prover.bound, prover.reason or INTERRUPTED
                 proofs += prover.proofs.get("scale", ())
                 tests += prover.tests
     except KeyboardInterrupt:
@@ -153,21 +153,23 @@ def _condition_number(
 
 
 def _coriolis(all_cases: Sequence[Case], scaling: Array, high: float | None, seed: int) -> Bound:
+    seen_largest = largest_velocity_forces(all_cases, scaling, seed)
+    if unprovable(all_cases) or all_cases[0].domain.arm.mimics:
+        return Bound(None, seen_largest.value, seen_largest.q)
     # Velocity forces are affine in a payload's mass, and a norm is convex: the ends of a range cover it.
     proven = max(
         velocity_force_bound(domain.arm.tree, domain.box.lower, domain.box.upper, scaling, high)
         for domain in (case.domain for case in all_cases)
     )
-    seen_largest = largest_velocity_forces(all_cases, scaling, seed)
     return Bound(proven, seen_largest.value, seen_largest.q)
 
 
 def _notes(all_cases: Sequence[Case], scaling: Array) -> tuple[str, ...]:
     domain = all_cases[0].domain
     notes = []
-    idle = [f"'{printable(name)}'" for name, i in zip(domain.arm.joint_names, domain.box.idle, strict=True) if i]
+    idle = idle_note(domain.arm, domain.box)
     if idle:
-        notes.append(f"M(q) does not depend on joint {', '.join(idle)}, which carries the whole arm")
+        notes.append(idle)
     if len(set(domain.arm.joint_kinds)) > 1 and np.all(scaling == 1.0):
         notes.append("revolute and prismatic joints: eigenvalues add kg·m² to kg; give a scaling of the joints")
     return tuple(notes)

@@ -176,6 +176,7 @@ class BoundsReport(Shown):
             "boxes": self.boxes,
             "configurations": self.tests,
             "seconds": self.seconds,
+            "reasons": list(self.reasons),
         }
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.condition.certificate.statement_forms import Statement
+from asmc_pin.condition.certificate.statement import Statement
 from asmc_pin.condition.certificate.strategy import Outcome, ProofProgress, Prover
 from asmc_pin.condition.certificate.worst_known import STRICT
 from asmc_pin.condition.inertia_bounds.extreme_eigenvalue import Extreme
@@ -99,6 +99,11 @@ class EigenvalueProver(Prover):
             # Its scale is rounded, and back would be another bound.
             self.scale, self._exact = self._scale_of(bound), bound
         return outcome
+
+    def why_not(self, bound: float) -> str:
+        """Why `try_bound` was blocked at that bound."""
+        scale = self._scale_of(bound)
+        return self.why_blocked(self._share.scale - scale, scale)
 
     def _at(self, scale: float) -> float:
         return self._share.unit * scale if self._side == "least" else self._share.unit / scale

@@ -49,8 +49,8 @@ class Extreme:
 
     def _take(self, case: int, found: Found) -> None:
         self.evaluations += found.configurations
-        arm = self._cases[case].domain.arm
-        worst = float(evaluate(self._kind, arm, found.q[None, :], self._weights, found.armature)[0])
+        tree = self._cases[case].domain.tree
+        worst = float(evaluate(self._kind, tree, found.q[None, :], self._weights, found.armature)[0])
         if worst > self._worst:
             self._worst, self.value = worst, 1.0 / abs(worst)
             self.q, self.armature, self.case = found.q, found.armature, case

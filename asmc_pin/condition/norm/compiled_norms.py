@@ -102,7 +102,7 @@ def figures_of_masses(kind: int, mass: Array, mbar: Array, out: Array) -> None:
 def figures(kind: int, links: Links, armature: Array, q: Array, mbar: Array, out: Array) -> None:
     """The figure at each configuration of a batch: q (B, n), armature (B, n) or (1, n), out (B,)."""
     n = q.shape[1]
-    placed = scratch(n)
+    placed = scratch(links.parent.size)
     mass, factor, x, square, work = (
         np.empty((n, n)),
         np.zeros((n, n)),
@@ -201,11 +201,11 @@ def figure_gradient(
     Where the extreme eigenvalue is multiple the figure has a kink, and one of its subgradients is given.
     """
     n = q.shape[0]
-    placed = scratch(n)
+    placed = scratch(links.parent.size)
     mass, left, right = np.empty((n, n)), np.empty(n), np.empty(n)
     fill_mass(links, armature, q, placed, mass)
     value, weight = extreme(kind, mass, mbar, left, right)
-    bilinear_gradient(links, placed, left, right, np.empty((2, n, 12)), by_angle)
+    bilinear_gradient(links, placed, left, right, np.empty((2, links.parent.size, 12)), by_angle)
     for i in range(n):
         by_angle[i] *= weight
         by_armature[i] = weight * left[i] * right[i]

@@ -90,12 +90,12 @@ def heatmap(
     i, j = arm.joint_names.index(first), arm.joint_names.index(second)
     if others == "largest":
         points = sample_box(domain, samples, seed)
-        norms = evaluate(NORM[condition], arm, points, values, armature)
+        norms = evaluate(NORM[condition], arm.tree, points, values, armature)
         return _binned(domain, (first, second), (i, j), points, norms, resolution)
     x, y = (np.linspace(domain.lower[k], domain.upper[k], resolution) for k in (i, j))
     points = np.tile(domain.centre if q is None else np.asarray(q, dtype=np.float64), (resolution**2, 1))
     points[:, i], points[:, j] = (grid.ravel() for grid in np.meshgrid(x, y))
-    norms = evaluate(NORM[condition], arm, points, values, armature).reshape(resolution, resolution)
+    norms = evaluate(NORM[condition], arm.tree, points, values, armature).reshape(resolution, resolution)
     return Heatmap((first, second), x, y, norms, "held")
 
 

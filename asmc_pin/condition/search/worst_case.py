@@ -5,12 +5,14 @@ A search gives a value that some configuration really has. It refutes; it never 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from asmc_pin._typing import Array, BoolArray, IntArray
+from asmc_pin.condition.domain.base_branches import branches
 from asmc_pin.condition.domain.joint_box import BoxLike
 from asmc_pin.condition.norm import compiled_norms
 from asmc_pin.condition.norm.two_conditions import Condition, check_condition, check_mbar
@@ -78,7 +80,8 @@ def maximise(
 
     Samples the box, each with the armature at a random end of its range (the conditions are convex in the armature, so
     an end is worst), then climbs, angles and armature together, from the best samples that are apart from each other,
-    from where climbs of other figures end (see `GUIDES`), and from some that were not chosen at all.
+    from where climbs of other figures end (see `GUIDES`), and from some that were not chosen at all. Each branch on the
+    base is a block of M(q) and is searched alone: a figure of the whole is the largest of its blocks'.
 
     Args:
         kind: `compiled_norms.LEMMA1` and its fellows; all are figures of which more is worse.
@@ -95,37 +98,86 @@ def maximise(
     """
     if samples < 1:
         raise ParameterError("samples", f"{samples} given, at least 1 expected")
-    box, nv = domain.box, domain.arm.nv
+    box, size = domain.box, domain.joints.size
     q = sample_box(box, samples, seed)
     lower, upper = domain.armature_lower, domain.armature_upper
-    ranged = np.flatnonzero(upper > lower)
-    if ranged.size:
-        ends = np.random.default_rng(seed).random((samples, nv)) < 0.5
+    if np.any(upper > lower):
+        ends = np.random.default_rng(seed).random((samples, size)) < 0.5
         armature = np.where(ends, lower, upper)
     else:
         armature = lower[None, :]
-    values = evaluate(kind, domain.arm, q, mbar, armature, threads)
-    configurations = samples
+    more = also or (np.empty((0, size)), np.empty((0, size)))
+    parts = domain.by_branch()
+    if len(parts) == 1:
+        return _of_branch(kind, domain, mbar, q, armature, starts, threads, more)
+    found = []
+    for part, mine in zip(parts, branches(domain.tree), strict=True):
+        given = more[0][:, mine], more[1][:, mine]
+        found.append(_of_branch(kind, part, mbar[mine], q[:, mine], armature[:, mine], starts, threads, given))
+    return _together(found, branches(domain.tree))
+
+
+def _of_branch(
+    kind: int,
+    domain: Domain,
+    mbar: Array,
+    q: Array,
+    armature: Array,
+    starts: int,
+    threads: int,
+    also: tuple[Array, Array],
+) -> Found:
+    """The largest value over a domain whose joints all hang together."""
+    box, lower, upper = domain.box, domain.armature_lower, domain.armature_upper
+    ranged = np.any(upper > lower)
+    values = evaluate(kind, domain.tree, q, mbar, armature, threads)
+    configurations = len(q)
     first = int(np.argmax(values))
     best = (float(values[first]), q[first], armature[first % len(armature)])
     climbed, where, carried = values[first : first + 1], q[first : first + 1], best[2][None]
-    if starts > 0 and (box.free.any() or ranged.size):
+    if starts > 0 and (box.free.any() or ranged):
         begin, begin_armature, calls = _starts(kind, domain, q, armature, mbar, values, starts)
-        if also is not None:
-            begin = np.concatenate((begin, also[0]))
-            begin_armature = np.concatenate((begin_armature, also[1]))
+        begin, begin_armature = np.concatenate((begin, also[0])), np.concatenate((begin_armature, also[1]))
         climbed, where, carried, more = _climb(kind, domain, mbar, begin, begin_armature)
         configurations += calls + more
         top = int(np.argmax(climbed))
         if climbed[top] > best[0]:
             best = (float(climbed[top]), where[top], carried[top])
-        if ranged.size:
+        if ranged:
             # A climb may end on a plateau; the end of the range next to it is no better.
             end = np.where(best[2] - lower > upper - best[2], upper, lower)
-            at_end = evaluate(kind, domain.arm, best[1][None], mbar, end)[0]
+            at_end = evaluate(kind, domain.tree, best[1][None], mbar, end)[0]
             if at_end >= best[0] * (1.0 - 1e-12) - 1e-15:
                 best = (float(at_end), best[1], end)
     return Found(best[0], box.wrap(best[1]), best[2], values, configurations, climbed, box.wrap(where), carried)
+
+
+def _together(found: Sequence[Found], parts: Sequence[IntArray]) -> Found:
+    """What was found on each branch, as configurations of the whole arm: every figure of it is the largest of theirs.
+
+    The highest climb of one branch goes with the highest of the others, the second with the second; a branch with fewer
+    climbs than another stays at its own highest.
+    """
+    count = max(item.maxima.size for item in found)
+    size = sum(part.size for part in parts)
+    q, armature = np.empty(size), np.empty(size)
+    maxima, maxima_q, maxima_armature = np.full(count, -np.inf), np.empty((count, size)), np.empty((count, size))
+    for item, mine in zip(found, parts, strict=True):
+        q[mine], armature[mine] = item.q, item.armature
+        order = np.argsort(-item.maxima, kind="stable")
+        order = np.concatenate((order, np.repeat(order[:1], count - order.size)))
+        maxima = np.maximum(maxima, item.maxima[order])
+        maxima_q[:, mine], maxima_armature[:, mine] = item.maxima_q[order], item.maxima_armature[order]
+    return Found(
+        max(item.value for item in found),
+        q,
+        armature,
+        np.max([item.samples for item in found], axis=0),
+        sum(item.configurations for item in found),
+        maxima,
+        maxima_q,
+        maxima_armature,
+    )
 
 
 def _starts(
@@ -138,7 +190,7 @@ def _starts(
     starts, carried, evaluations = [q[index]], [armature[index % len(armature)]], 0
     few = min(len(q), 8192)
     for guide in GUIDES[kind]:
-        other = evaluate(guide, domain.arm, q[:few], mbar, armature[:few])
+        other = evaluate(guide, domain.tree, q[:few], mbar, armature[:few])
         index = _apart(q[:few, free], other, (count + 3) // 4, periodic)
         _, where, with_armature, calls = _climb(guide, domain, mbar, q[index], armature[index % len(armature)])
         starts.append(where)
@@ -245,5 +297,14 @@ def scale_refuted(
     found = maximise(
         kind, domain_of(arm, box), check_mbar(mbar, arm.nv), samples=samples, starts=starts, seed=seed, threads=threads
     )
-    factor = max(-found.value, 0.0) if kind == compiled_norms.LEMMA1_SCALE else 2.0 / found.value
-    return factor, found.q
+    return breaking_factor(kind, found.value), found.q
+
+
+def breaking_factor(kind: int, value: float) -> float:
+    """The factor of M̄ at which a condition breaks, from its figure; 0 where no positive one satisfies it.
+
+    Args:
+        kind: `compiled_norms.LEMMA1_SCALE` or `compiled_norms.WEIGHTED_SCALE`.
+        value: The figure at one M(q), or the largest of many.
+    """
+    return max(-value, 0.0) if kind == compiled_norms.LEMMA1_SCALE else 2.0 / value

@@ -21,7 +21,7 @@ _held: WeakKeyDictionary[Arm, Bodies] = WeakKeyDictionary()
 
 def no_recursion(arm: Arm) -> str | None:
     """Why the compiled recursion does not have an arm, in words; None if it does."""
-    return None if arm.tree.nv == arm.nv else "coupled joints"
+    return "joints that mimic others" if arm.mimics else None
 
 
 def held_bodies(arm: Arm) -> Bodies:

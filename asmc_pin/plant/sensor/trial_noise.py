@@ -9,7 +9,7 @@ import numpy as np
 from asmc_pin._typing import Array
 
 # What a stream of random numbers is for. Part of the seed, so that a new kind never shifts the numbers of another.
-SENSOR, DISTURBANCE, SPREAD = range(3)
+SENSOR, DISTURBANCE, SPREAD, START, SWEEP = range(5)
 
 # Ticks drawn at once. A generator gives the same numbers in whatever portions they are drawn.
 BLOCK = 64

@@ -51,15 +51,15 @@ class Spread:
         into them; the heavy one the opposite. Links that are drawn one by one may lie beyond these two in part.
         """
         model = (arm.replace(payload=None) if arm.payload is not None else arm).model
-        centre = np.array([model.inertias[i + 1].lever for i in range(arm.nv)])
+        centre = np.array([model.inertias[i + 1].lever for i in range(arm.tree.joints)])
         far = np.linalg.norm(centre, axis=1, keepdims=True)
         outward = np.divide(centre, far, out=np.zeros_like(centre), where=far > 0.0)
         made = []
         for sign in (-1.0, 1.0):
             size = np.exp(sign * END * self.inertia)
             shift = np.maximum(sign * END * self.com, -size * far) * outward
-            mass = np.full(arm.nv, np.exp(sign * END * self.mass))
-            made.append(vary_links(arm, mass, shift, np.full((arm.nv, 3), size)))
+            mass = np.full(arm.tree.joints, np.exp(sign * END * self.mass))
+            made.append(vary_links(arm, mass, shift, np.full((arm.tree.joints, 3), size)))
         return made[0], made[1]
 
     def arms(self, arms: Sequence[Arm], seed: int, trials: Sequence[int]) -> tuple[Arm, ...]:
@@ -68,7 +68,7 @@ class Spread:
             return tuple(arms)
         made = []
         for k, trial in enumerate(trials):
-            z = generator(seed, trial, SPREAD, 0).standard_normal((arms[0].nv, 7))
+            z = generator(seed, trial, SPREAD, 0).standard_normal((arms[0].tree.joints, 7))
             arm = arms[k % len(arms)]
             made.append(
                 vary_links(arm, np.exp(self.mass * z[:, 0]), self.com * z[:, 1:4], np.exp(self.inertia * z[:, 4:]))
@@ -94,7 +94,7 @@ class VariedArm(Arm):
 
     Attributes:
         nominal: The arm as its URDF has it.
-        factors: Mass factors (nv,), shifts (nv, 3) and stretches (nv, 3) of its links.
+        factors: Mass factors (n,), shifts (n, 3) and stretches (n, 3) of its links, one per joint that moves.
     """
 
     nominal: Arm | None = None
@@ -118,20 +118,21 @@ def vary_links(arm: Arm, mass: Array, shift: Array, stretch: Array) -> VariedArm
 
     Args:
         arm: The arm.
-        mass: Factors, (nv,), positive.
-        shift: Of the centres, along the joints' axes at their frames, (nv, 3), m.
-        stretch: Factors, (nv, 3), positive.
+        mass: Factors, (n,), positive, for the body behind each of the n joints that move, mimicking ones included.
+        shift: Of the centres, along the joints' axes at their frames, (n, 3), m.
+        stretch: Factors, (n, 3), positive.
     """
     if isinstance(arm, VariedArm):
         raise TypeError("the links of a varied arm are not varied again; vary its nominal arm")
     bare = arm.replace(payload=None) if arm.payload is not None else arm
     model = bare.model.copy()
-    for i in range(arm.nv):
+    for i in range(arm.tree.joints):
         model.inertias[i + 1] = _varied(bare.model.inertias[i + 1], mass[i], shift[i], np.diag(stretch[i]))
     if arm.payload is not None:
         carry(arm.made_of.robot, model, arm.payload)
     values = {item.name: getattr(arm, item.name) for item in fields(Arm) if item.init and item.name != "_local"}
-    return VariedArm(**{**values, "model": model, "tree": tree_of(model)}, nominal=arm, factors=(mass, shift, stretch))
+    values |= {"model": model, "tree": tree_of(model, arm.tree.coupling)}
+    return VariedArm(**values, nominal=arm, factors=(mass, shift, stretch))
 
 
 def _varied(link: pin.Inertia, mass: float, shift: Array, stretch: Array) -> pin.Inertia:

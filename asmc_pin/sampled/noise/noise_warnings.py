@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,8 +30,17 @@ _STEPS = 24
 _LOOKS = 8
 
 
+@dataclass(frozen=True, eq=False)
+class _Arm:
+    """One of the arms of a run: when it moves and with which links, where it works, and a loop's noise there."""
+
+    words: str
+    space: Workspace
+    noise: LoopNoise
+
+
 def noise_warnings(
-    arm: Arm,
+    arm: Arm | Mapping[str, Arm],
     controllers: Mapping[str, Any],
     sensor: LoopSensor,
     period: float | None = None,
@@ -44,7 +53,8 @@ def noise_warnings(
     By the linear map: it holds while no drive is at its limits, and leaves switching terms out, which add to it.
 
     Args:
-        arm: The arm.
+        arm: The arm; or every arm that a run has, by words that say when it moves and with which links, of which each
+            loop is judged by the noisiest, joint by joint.
         controllers: Label -> law.
         sensor: What the plant's sensors do.
         period: Control period, s; by default each law's own.
@@ -56,16 +66,23 @@ def noise_warnings(
     """
     if not sensor.noisy:
         return []
-    heavy = bool(np.any(arm.gravity_vector))
-    space = workspace_of(arm, samples=_SAMPLES, gravity=heavy)
-    return [
-        _about(item, loop_noise(space, item.loop, sensor, quick=True), space, effort_limit)
-        for item in law_loops(arm, controllers, period, delay=delay, sensor=sensor)
-    ]
+    arms = dict(arm) if isinstance(arm, Mapping) else {"": arm}
+    first = next(iter(arms.values()))
+    spaces = {
+        words: workspace_of(each, samples=_SAMPLES, gravity=bool(np.any(each.gravity_vector)))
+        for words, each in arms.items()
+    }
+    found = []
+    for item in law_loops(first, controllers, period, delay=delay, sensor=sensor):
+        noises = [
+            _Arm(words, space, loop_noise(space, item.loop, sensor, quick=True)) for words, space in spaces.items()
+        ]
+        found.append(_about(item, noises, effort_limit))
+    return found
 
 
-def _about(item: LawLoop, noise: LoopNoise, space: Workspace, limit: Array) -> str:
-    loop, parts = item.loop, []
+def _about(item: LawLoop, arms: Sequence[_Arm], limit: Array) -> str:
+    loop, parts, noise = item.loop, [], arms[0].noise
     drives = f"on drives of {_numbers(limit)} N·m"
     if noise.count_torque is not None:
         through = "" if noise.share == 1.0 else f" ({100.0 * noise.share:.3g} % of it through the filter at once)"
@@ -73,37 +90,50 @@ def _about(item: LawLoop, noise: LoopNoise, space: Workspace, limit: Array) -> s
             f"one count of the encoder is worth {count_formula(loop)} = {_numbers(noise.count_torque)} N·m{through} "
             f"{drives}"
         )
-    if not np.isfinite(noise.torque_rms).all():
-        return f"{item.title}: " + "; ".join([*parts, "the loop is unstable, so its noise grows without end"])
+    each = np.array([one.noise.torque_rms for one in arms])
+    if not np.isfinite(each).all():
+        unstable = next(one for one in arms if not np.isfinite(one.noise.torque_rms).all())
+        where = f" {unstable.words}" if unstable.words else ""
+        return f"{item.title}: " + "; ".join([*parts, f"the loop is unstable{where}, so its noise grows without end"])
+    rms = each.max(axis=0)
     crossed = " where counts are crossed every period" if noise.count_torque is not None else f" {drives}"
-    parts.append(f"the sensors' noise makes a torque of {_numbers(noise.torque_rms)} N·m RMS{crossed}")
-    if (noise.torque_rms > BUDGET * limit).any():
-        parts.append(f"for {100.0 * BUDGET:g} % of the drives' limits: {noise_remedy(loop, noise, space, limit)}")
+    several = ""
+    if len(arms) > 1:
+        worst = list(dict.fromkeys(arms[k].words for k in each.argmax(axis=0)))
+        several = f", the largest over the {len(arms)} arms of the run ({'; '.join(worst)})"
+    parts.append(f"the sensors' noise makes a torque of {_numbers(rms)} N·m RMS{crossed}{several}")
+    if (rms > BUDGET * limit).any():
+        parts.append(f"for {100.0 * BUDGET:g} % of the drives' limits: {_noise_remedy(loop, arms, limit)}")
     elif noise.count_torque is not None:
         parts.append("a bit more halves what comes of rounding")
     return f"{item.title}: " + "; ".join(parts)
 
 
-def noise_remedy(loop: SampledLoop, noise: LoopNoise, space: Workspace, limit: Array) -> str:
-    """What bits, filter or period, each alone, would bring the torque noise within `BUDGET` of the drives' limits.
+def _noise_remedy(loop: SampledLoop, arms: Sequence[_Arm], limit: Array) -> str:
+    """What bits, filter or period, each alone, would bring the torque noise of every arm within `BUDGET` of the limits.
 
     Args:
         loop: Gains and timing.
-        noise: Of that loop.
-        space: Where the arm works.
+        arms: The arms, with the noise of that loop.
         limit: Torque limits, shape (nv,), N·m.
     """
-    mass, stiffness = space.frozen(np.concatenate([noise.worst, space.points[:_LOOKS]]))
+    sensor = arms[0].noise.sensor
+    looked = [
+        (one.space, *one.space.frozen(np.concatenate([one.noise.worst, one.space.points[:_LOOKS]]))) for one in arms
+    ]
 
-    def share(other: SampledLoop, sensor: LoopSensor = noise.sensor) -> float:
+    def share(other: SampledLoop, seen: LoopSensor = sensor) -> float:
         """Largest share of a drive's limit that the noise takes."""
-        rms, _ = noise_rms(mass, other, sensor, viscous=space.viscous, stiffness=stiffness)
-        return float((rms / limit).max())
+        each = (
+            noise_rms(mass, other, seen, viscous=space.viscous, stiffness=stiffness)[0]
+            for space, mass, stiffness in looked
+        )
+        return max(float((rms / limit).max()) for rms in each)
 
     found = []
-    if noise.count_torque is not None:
-        finer = (replace(noise.sensor, count=noise.sensor.count / 2.0**n) for n in range(1, _BITS))
-        bits = next((n for n, sensor in enumerate(finer, start=1) if share(loop, sensor) <= BUDGET), None)
+    if arms[0].noise.count_torque is not None:
+        finer = (replace(sensor, count=sensor.count / 2.0**n) for n in range(1, _BITS))
+        bits = next((n for n, better in enumerate(finer, start=1) if share(loop, better) <= BUDGET), None)
         found.append(f"{bits} bits more" if bits is not None else "no number of bits alone")
     corners = [_two_digits(x) for x in np.geomspace(0.25 / loop.period, _LOWEST_HZ, _STEPS)]
     filters = ((f"filter_hz = {x:g}", replace(loop, filter_hz=x)) for x in corners)

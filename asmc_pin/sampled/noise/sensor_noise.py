@@ -42,6 +42,8 @@ class LoopNoise:
             encoders.
         error_bound: Largest error likewise, rad (m).
         worst: Points of the workspace at which the RMS of each joint's torque is largest, (nv, …).
+        places: Of each of them the configuration, payload, armature and locked joints, by name.
+        among: What of the ranges they have, in words, the same once only; empty without ranges.
         configurations: Points tried.
     """
 
@@ -53,6 +55,8 @@ class LoopNoise:
     torque_bound: Array | None
     error_bound: Array | None
     worst: Array
+    places: tuple[dict[str, Any], ...]
+    among: tuple[str, ...]
     configurations: int
 
     def to_json_dict(self) -> dict[str, Any]:
@@ -66,6 +70,7 @@ class LoopNoise:
             "encoder_count": _listed(self.sensor.count if self.sensor.count.any() else None),
             "velocity_noise": _listed(self.sensor.rate_noise),
             "reported_torque_noise": _listed(self.sensor.torque_noise),
+            "torque_noise_worst": list(self.places),
         }
 
     def lines(self, loop: SampledLoop) -> list[str]:
@@ -80,6 +85,7 @@ class LoopNoise:
         text.append(
             f"noise{where}: torque RMS to {_numbers(self.torque_rms)} N·m, error RMS to "
             f"{_numbers(np.rad2deg(self.error_rms))} deg, the worst of {self.configurations} configurations"
+            + (f" over the ranges; the torques at {'; '.join(self.among)}" if self.among else "")
         )
         if self.torque_bound is not None and self.error_bound is not None:
             text.append(
@@ -91,7 +97,7 @@ class LoopNoise:
 
 NOISE_KEYS = (
     "count_torque", "torque_noise_rms", "error_noise_rms", "torque_noise_bound", "error_noise_bound",
-    "encoder_count", "velocity_noise", "reported_torque_noise",
+    "encoder_count", "velocity_noise", "reported_torque_noise", "torque_noise_worst",
 )  # fmt: skip
 """Keys of `LoopNoise.to_json_dict`, null in a report that was not asked for noise."""
 
@@ -239,7 +245,7 @@ def _outputs_over_a_block(system: ClosedLoop, loop: SampledLoop) -> tuple[Array,
 
 
 def loop_noise(workspace: Workspace, loop: SampledLoop, sensor: LoopSensor, *, quick: bool = False) -> LoopNoise:
-    """The sensors' noise in torque and error, each joint's the worst over a workspace.
+    """The sensors' noise in torque and error, each joint's the worst over a workspace, its ranges included.
 
     Args:
         workspace: Where the arm works; about rest under gravity, if that acts.
@@ -270,6 +276,7 @@ def loop_noise(workspace: Workspace, loop: SampledLoop, sensor: LoopSensor, *, q
         mass, stiffness = space.frozen(np.concatenate([points, space.points[:_BOUNDED_AT]]))
         torque, error = rounding_bound(mass, loop, sensor.count, viscous=space.viscous, stiffness=stiffness)
         bounds = torque.max(axis=0), error.max(axis=0)
+    found = [space.arms.place(point) for point in points[: loop.nv]]
     return LoopNoise(
         sensor=sensor,
         count_torque=count_torque(loop, sensor.count) if rounded else None,
@@ -279,6 +286,11 @@ def loop_noise(workspace: Workspace, loop: SampledLoop, sensor: LoopSensor, *, q
         torque_bound=bounds[0],
         error_bound=bounds[1],
         worst=points[: loop.nv],
+        places=tuple(
+            {"q": space.arms.q(point).tolist(), **where}
+            for point, (where, _) in zip(points[: loop.nv], found, strict=True)
+        ),
+        among=tuple(dict.fromkeys(said for _, said in found if said)),
         configurations=tried,
     )
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from asmc_pin.clock import Clock
 from asmc_pin.condition.certificate.compiled.bisection_tree import LEAF
+from asmc_pin.condition.certificate.stopping import GAP_MET, INTERRUPTED, OUT_OF_TIME
 from asmc_pin.condition.certificate.strategy import ProofProgress
 from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.certificate.writing import seen
@@ -77,6 +78,8 @@ def certify_loop(
     """
     check_plain(loop)
     all_cases = tuple(cases(arm, box, payload, armature, lock))
+    if loop.nv != (joints := all_cases[0].domain.arm.nv):
+        raise ParameterError("loop", f"M̄ of {loop.nv} values given, {joints} expected, one per moving joint")
     get_ready()
     clock, began = Clock(), time.monotonic()
     least = Extreme(all_cases, loop.mbar, "least", samples=_SAMPLES, starts=_STARTS, seed=seed)
@@ -89,7 +92,7 @@ def certify_loop(
         for extreme in (least, largest)
     ]
     magnitude = float(np.linalg.norm(arm.gravity_vector))
-    reason, pieces = "interrupted", None
+    reason, pieces, no_gravity = INTERRUPTED, None, INTERRUPTED
 
     def refuted() -> bool:
         return Fraction(least.value) <= inverse_high or Fraction(largest.value) >= inverse_low
@@ -100,12 +103,15 @@ def certify_loop(
                 break
             outcome = prover.try_bound(limit)
             if outcome != "proven":
-                reason = "out of time" if outcome == "stopped" else "cells got too small to go on"
+                late = prover.unable or OUT_OF_TIME
+                reason = late if outcome == "stopped" else prover.why_not(limit)
                 break
         else:
             reason = ""
-            if magnitude > 0.0:
-                pieces = _under_gravity(all_cases, loop, provers, (least, largest), magnitude)
+            if magnitude > 0.0 and not arm.mimics:
+                pieces, no_gravity = _under_gravity(all_cases, loop, provers, (least, largest), magnitude)
+            else:
+                no_gravity = "there is none"
     except KeyboardInterrupt:
         pass
     verdict: Literal["stable", "unstable", "undecided"] = "undecided"
@@ -127,6 +133,7 @@ def certify_loop(
         boxes=int(sum(np.count_nonzero(proof.record == LEAF) for proof in proofs)),
         seconds=clock.seconds(),
         reason=reason if verdict == "undecided" else "",
+        no_gravity=no_gravity if verdict == "stable" else "",
         seen_at=(seen(least.q, least.armature, least.case), seen(largest.q, largest.armature, largest.case)),
         cases=all_cases,
         proofs=tuple(proofs),
@@ -140,8 +147,8 @@ def _under_gravity(
     provers: Sequence[EigenvalueProver],
     extremes: tuple[Extreme, Extreme],
     magnitude: float,
-) -> Pieces | None:
-    """Forms that prove it at rest under gravity, after a closer proof of the eigenvalues' range; None if too weak."""
+) -> tuple[Pieces | None, str]:
+    """Forms that prove it at rest under gravity, after a closer proof of the eigenvalues' range; or why none do."""
     stiffness = max(
         stiffness_bound(domain.arm.tree, domain.box.lower, domain.box.upper, loop.mbar, magnitude)
         for domain in (case.domain for case in all_cases)
@@ -150,13 +157,19 @@ def _under_gravity(
     least, largest = extremes
     # What does not hold where the search has been need not be tried over a wider range.
     if pieces_of(*gains, 1.0 / largest.value, 1.0 / least.value) is None:
-        return None
+        return None, "the small gain is too weak even between the eigenvalues found"
     for prover in provers:
         prover.raise_scale(_CLOSE)
     most, fewest = (prover.bound for prover in provers)
     assert most is not None
     assert fewest is not None
-    return pieces_of(*gains, below(1 / Fraction(fewest)), above(1 / Fraction(most)))
+    pieces = pieces_of(*gains, below(1 / Fraction(fewest)), above(1 / Fraction(most)))
+    if pieces is not None:
+        return pieces, ""
+    # Both met their gap, or one of them has something to say.
+    stopped = next((prover.reason for prover in provers if prover.reason != GAP_MET), "")
+    why = f"; it was proven no closer because: {stopped}" if stopped else f", proven to {_CLOSE:.0%}"
+    return None, f"the small gain is too weak over the range of the eigenvalues{why}"
 
 
 def ends_of_stability(ks: float, beta: float, period: float) -> tuple[Fraction, Fraction]:
@@ -178,6 +191,15 @@ def check_plain(loop: SampledLoop) -> None:
 
 def not_plain(loop: SampledLoop) -> tuple[str, str] | None:
     """What of a loop no proof is made for, and why; None for the plain loop."""
+    if loop.law is not None:
+        weight = getattr(loop.law, "estimate_weight", None)
+        if weight is None:
+            return "law", f"a proof is of PPC's loop, not of that of {type(loop.law).__name__}"
+        scaled = ",".join(f"{value:.10g}" for value in weight * loop.mbar)
+        return "law", (
+            "a proof is of PPC's loop; of this law the condition on M̄ can be proven, which is that for cM̄: "
+            f"asmc-pin verify ARM --mbar {scaled} --certify"
+        )
     if not loop.modal:
         return "ks", "a proof needs one k_s and one β for all joints: only then do the modes separate"
     gains_and_pair = ("mbar", "ks", "beta", "period", "pairing")

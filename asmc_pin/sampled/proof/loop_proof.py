@@ -33,6 +33,7 @@ class LoopProof:
         boxes: Leaves of the proof.
         seconds: Wall time.
         reason: Why it is undecided; empty where it is not.
+        no_gravity: Where it is stable without gravity: why nothing is proven about rest under gravity; else empty.
         cases: The arms that it speaks of.
         seen_at: Where the search found them, as a certificate has it.
         proofs: What `save` writes.
@@ -48,6 +49,7 @@ class LoopProof:
     boxes: int
     seconds: float
     reason: str
+    no_gravity: str
     seen_at: tuple[dict[str, Any], dict[str, Any]] = field(repr=False)
     cases: tuple[Case, ...] = field(repr=False)
     proofs: tuple[Proof, ...] = field(repr=False)
@@ -71,7 +73,7 @@ class LoopProof:
 
     def _beyond(self) -> list[str]:
         if self.gravity is None:
-            return ["of the moving arm and of gravity nothing is proven"]
+            return [f"of the moving arm and of gravity nothing is proven (of gravity because: {self.no_gravity})"]
         return [
             f"proven: so is the loop about rest at every q under gravity of up to {exact(self.gravity)} m/s² in any "
             "direction",
@@ -119,7 +121,9 @@ class LoopProof:
         return {
             "about": "the loop frozen at every q of the box, without gravity",
             "verdict": self.verdict,
+            "reason": self.reason or None,
             "gravity": self.gravity,
+            "no_gravity": self.no_gravity or None,
             "stable_between": list(self.stable_between),
             "seen_between": list(self.seen_between),
             "boxes": self.boxes,

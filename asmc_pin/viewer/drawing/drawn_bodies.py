@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,10 +37,13 @@ class DrawnBody:
     Attributes:
         parent: Index of the body it hangs on; -1 for the base, which is body 0.
         placement: Pose of the joint's frame in the parent's frame at q = 0, shape (4, 4).
-        joint: Index of the joint, -1 for the base.
+        joint: Index of the coordinate that moves it, -1 for the base.
         axis: Joint axis in the joint's frame, shape (3,).
         prismatic: It slides along the axis rather than turning about it.
         mesh: What is drawn, in the joint's frame.
+        ratio: How far the joint goes for one of the coordinate; 1 unless it mimics another.
+        offset: Where it is while the coordinate is 0, rad or m.
+        opacity: 1 where nothing behind it is seen.
     """
 
     parent: int
@@ -50,6 +52,9 @@ class DrawnBody:
     axis: Array
     prismatic: bool
     mesh: Shaded
+    ratio: float = 1.0
+    offset: float = 0.0
+    opacity: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -58,20 +63,27 @@ class DrawnArm:
 
     Attributes:
         name: The arm's name.
-        bodies: The base first, then one per joint.
+        bodies: The base first, then one per joint that moves, mimicking ones included.
+        slides: Whether each coordinate's own joint slides.
         upright: Rotation that turns the arm's gravity downwards, shape (4, 4): an arm under a ceiling hangs.
         tip: DrawnBody and point in its frame, m, whose path is drawn.
         notes: What a person should know of the picture, such as missing meshes.
+        marks: What is drawn besides and stands still in some body, see `with_marks`.
     """
 
     name: str
     bodies: tuple[DrawnBody, ...]
+    slides: tuple[bool, ...]
     upright: Array
     tip: tuple[int, Array]
     notes: tuple[str, ...]
+    marks: tuple[DrawnBody, ...] = ()
 
     def poses(self, q: Array) -> Array:
-        """Poses of the bodies in the base frame. Shape of q (..., nv); of the result (..., nv + 1, 4, 4)."""
+        """Poses of the bodies in the base frame. Shape of q (..., nv); of the result (..., bodies, 4, 4)."""
+        moving = self.bodies[1:]
+        ratio, offset = np.array([body.ratio for body in moving]), np.array([body.offset for body in moving])
+        q = ratio * q[..., [body.joint for body in moving]] + offset
         return body_poses([(body.parent, body.placement, body.axis, body.prismatic) for body in self.bodies], q)
 
 
@@ -87,10 +99,20 @@ def draw(arm: Arm, triangles: int = TRIANGLES) -> DrawnArm:
     parts = assemble(arm)
     meshes = simplify([join(surfaces) for surfaces in parts.surfaces], triangles)
     bodies = tuple(
-        DrawnBody(parent, placement, index - 1, axis, prismatic, mesh)
-        for index, ((parent, placement, axis, prismatic), mesh) in enumerate(zip(parts.frames, meshes, strict=True))
+        DrawnBody(parent, placement, joint, axis, prismatic, mesh, ratio, offset)
+        for (parent, placement, axis, prismatic), mesh, (joint, ratio, offset) in zip(
+            parts.frames, meshes, _moved_by(arm), strict=True
+        )
     )
-    return DrawnArm(arm.name, bodies, _upright(arm.gravity_vector), (arm.nv, parts.tip), parts.notes)
+    slides = tuple(kind == "prismatic" for kind in arm.joint_kinds)
+    return DrawnArm(arm.name, bodies, slides, _upright(arm.gravity_vector), (arm.tree.joints, parts.tip), parts.notes)
+
+
+def _moved_by(arm: Arm) -> list[tuple[int, float, float]]:
+    """Coordinate, ratio and offset of every body, the base first."""
+    coupling = arm.tree.coupling
+    parts = (coupling.coordinate, coupling.ratio, coupling.offset)
+    return [(-1, 1.0, 0.0), *zip(*(part.tolist() for part in parts), strict=True)]
 
 
 @dataclass(frozen=True)
@@ -112,16 +134,17 @@ class Parts:
 
 def assemble(arm: Arm) -> Parts:
     """Reads an arm's visuals and hangs them on its bodies, a skeleton where there are none."""
-    shown, problems = read_visuals(arm.urdf_text, arm.package_dirs, Path(arm.source).parent)
+    shown, problems = read_visuals(arm.urdf_text, arm.files)
     frames = joint_frames(arm)
-    surfaces: tuple[list[Surface], ...] = tuple([] for _ in range(arm.nv + 1))
+    surfaces: tuple[list[Surface], ...] = tuple([] for _ in range(arm.tree.joints + 1))
+    last = arm.tree.joints
     tip = np.zeros(3)
     for link, body, pose in attachments(arm):
         surfaces[body].extend(surface.moved(pose) for surface in shown.get(link, ()))
-        if body == arm.nv and np.linalg.norm(pose[:3, 3]) > np.linalg.norm(tip):
+        if body == last and np.linalg.norm(pose[:3, 3]) > np.linalg.norm(tip):
             tip = pose[:3, 3]
-    if np.linalg.norm(tip) < 1e-6 and surfaces[arm.nv]:
-        tip = _far_end(join(surfaces[arm.nv]))
+    if np.linalg.norm(tip) < 1e-6 and surfaces[last]:
+        tip = _far_end(join(surfaces[last]))
     for body, stick in skeleton(frames, tip).items():
         if not surfaces[body]:
             surfaces[body].append(stick)
@@ -140,7 +163,7 @@ def joint_frames(arm: Arm) -> tuple[Frame, ...]:
     """The bodies of an arm without what is drawn of them, the base first."""
     tree = arm.tree
     frames: list[Frame] = [(-1, np.eye(4), np.array([0.0, 0.0, 1.0]), False)]
-    for joint in range(arm.nv):
+    for joint in range(tree.joints):
         placement = np.eye(4)
         placement[:3, :3], placement[:3, 3] = tree.rotation[joint], tree.translation[joint]
         frames.append((int(tree.parent[joint]) + 1, placement, tree.axis[joint], bool(tree.prismatic[joint])))
@@ -151,7 +174,7 @@ def attachments(arm: Arm) -> list[tuple[str, int, Array]]:
     """Name of every link, the body it belongs to, and its pose there: the one body in whose frame it stands still."""
     # Angles without a pattern, so that no two joints cancel.
     q = np.stack([np.zeros(arm.nv), 0.7 + 0.31 * np.sin(1.0 + 2.0 * np.arange(arm.nv))])
-    inverse = np.linalg.inv(body_poses(joint_frames(arm), q))
+    inverse = np.linalg.inv(body_poses(joint_frames(arm), arm.tree.coupling.joints(q)))
     relative = inverse[:, :, None] @ arm.link_poses(q)[:, None]
     change = np.abs(relative[1] - relative[0]).max(axis=(-2, -1))
     return [
@@ -167,7 +190,10 @@ def _far_end(surface: Surface) -> Array:
 
 
 def body_poses(frames: Sequence[Frame], q: Array) -> Array:
-    """Poses of all bodies in the base frame. Shape of q (..., nv); of the result (..., nv + 1, 4, 4)."""
+    """Poses of all bodies in the base frame, at the n joints' own values.
+
+    Shape of q (..., n); of the result (..., n + 1, 4, 4).
+    """
     found: list[Array] = []
     for index, (parent, placement, axis, prismatic) in enumerate(frames):
         if index == 0:

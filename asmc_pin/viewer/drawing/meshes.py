@@ -1,8 +1,7 @@
-"""Mesh files: found by the names that URDFs use, and read within bounds."""
+"""Mesh files, read within bounds."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -15,33 +14,7 @@ from asmc_pin.errors import AsmcPinError
 from asmc_pin.viewer.drawing.surface import PLAIN, Colours, Surface, painted
 from asmc_pin.words.text import printable
 
-_SUFFIXES = (".stl", ".dae", ".obj", ".ply", ".glb", ".gltf", ".off", ".3mf")
 _LARGEST = 200_000_000
-
-
-def resolve(filename: str, package_dirs: Sequence[str | Path], folder: Path) -> Path:
-    """The file that a URDF's mesh name means.
-
-    A URDF may come from anywhere: only what is named like a mesh is opened, and only a regular file.
-
-    Raises:
-        FileNotFoundError: It lies nowhere that was looked at.
-        ValueError: It is named like no mesh.
-    """
-    shown = printable(filename)
-    if Path(filename).suffix.lower() not in _SUFFIXES:
-        raise ValueError(f"'{shown}' is no mesh file that is read ({', '.join(_SUFFIXES)})")
-    scheme, _, rest = filename.rpartition("://")
-    if scheme in ("package", "model"):
-        package, _, inside = rest.partition("/")
-        candidates = [Path(d) / rest for d in package_dirs]
-        candidates += [Path(d) / inside for d in package_dirs if Path(d).name == package]
-    else:
-        candidates = [folder / rest]
-    for candidate in candidates:
-        if candidate.is_file():
-            return candidate
-    raise FileNotFoundError(f"{shown} not found")
 
 
 @lru_cache(maxsize=64)

@@ -30,16 +30,17 @@ def skeleton(frames: Sequence[tuple[int, Array, Array, bool]], tip: Array) -> di
     ends = [(parent, placement[:3, 3]) for parent, placement, _, _ in frames[1:]] + [(len(frames) - 1, tip)]
     for body, end in ends:
         if np.linalg.norm(end) > 1e-9:
-            parts[body].append(_rod(np.zeros(3), end, 0.55 * radius))
+            parts[body].append(rod(np.zeros(3), end, 0.55 * radius))
     for body, (_, _, axis, prismatic) in enumerate(frames):
         reach = radius * (1.1 if prismatic else 1.5) * axis / np.linalg.norm(axis)
-        parts[body].append(_rod(-reach, reach, radius * (0.8 if prismatic else 1.0), DRUM))
+        parts[body].append(rod(-reach, reach, radius * (0.8 if prismatic else 1.0), DRUM))
     return {body: join(surfaces) for body, surfaces in parts.items()}
 
 
-def _rod(start: Array, end: Array, radius: float, colour: tuple[int, int, int] = ROD) -> Surface:
+def rod(start: Array, end: Array, radius: float, colour: tuple[int, int, int] = ROD) -> Surface:
+    """A round rod between two points, m."""
     from trimesh import creation
 
-    rod: Any = creation.cylinder(radius=radius, segment=np.stack([start, end]), sections=24)
-    faces = np.asarray(rod.faces, dtype=np.int64)
-    return Surface(np.asarray(rod.vertices), faces, np.tile(np.array(colour, dtype=np.uint8), (len(faces), 1)))
+    made: Any = creation.cylinder(radius=radius, segment=np.stack([start, end]), sections=24)
+    faces = np.asarray(made.faces, dtype=np.int64)
+    return Surface(np.asarray(made.vertices), faces, np.tile(np.array(colour, dtype=np.uint8), (len(faces), 1)))

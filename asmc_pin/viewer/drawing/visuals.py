@@ -6,15 +6,15 @@ A run is never lost over a picture: what cannot be drawn as written is left out 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from lxml import etree
 
 from asmc_pin._typing import Array
-from asmc_pin.viewer.drawing.meshes import load_mesh, resolve
+from asmc_pin.arms.robot_files import RobotFiles
+from asmc_pin.viewer.drawing.meshes import load_mesh
 from asmc_pin.viewer.drawing.surface import PLAIN, Surface, painted
 from asmc_pin.words.text import as_number, printable
 
@@ -26,17 +26,14 @@ _FURTHEST = 1e6
 Colour = tuple[int, int, int]
 
 
-def read_visuals(
-    urdf_text: str, package_dirs: Sequence[str | Path], folder: str | Path
-) -> tuple[dict[str, list[Surface]], dict[str, list[str]]]:
+def read_visuals(urdf_text: str, files: RobotFiles) -> tuple[dict[str, list[Surface]], dict[str, list[str]]]:
     """Triangles of every link that shows something.
 
     A mesh file's own colours count before the URDF's material: files that carry colours are coloured finer.
 
     Args:
         urdf_text: The URDF.
-        package_dirs: Folders in which ``package://NAME/…`` looks for ``NAME/…``.
-        folder: Where relative file names start, the URDF's own folder.
+        files: Where meshes are looked for.
 
     Returns:
         Surfaces by link name, in the link's frame; and, by link name, what is not drawn as written: a mesh that was
@@ -61,7 +58,7 @@ def read_visuals(
             try:
                 if visuals > _MOST_VISUALS or triangles > _MOST_TRIANGLES:
                     raise ValueError(f"the picture has {visuals} parts of {triangles} triangles by then")
-                surfaces, found = _visual(visual, materials, package_dirs, Path(folder))
+                surfaces, found = _visual(visual, materials, files)
             except Exception as error:  # readers of mesh formats raise whatever they like
                 problems.setdefault(name, []).append(f"link '{name}': {_said(error)}; left out")
                 continue
@@ -78,9 +75,7 @@ def _said(error: Exception) -> str:
     return f"cannot be drawn ({type(error).__name__}: {printable(str(error))})"
 
 
-def _visual(
-    visual: Any, materials: dict[str, Colour], package_dirs: Sequence[str | Path], folder: Path
-) -> tuple[list[Surface], list[str]]:
+def _visual(visual: Any, materials: dict[str, Colour], files: RobotFiles) -> tuple[list[Surface], list[str]]:
     """Surfaces of one visual in the link's frame, and what of it is not drawn as written."""
     geometry = visual.find("geometry")
     if geometry is None:
@@ -95,7 +90,7 @@ def _visual(
     except ValueError as error:
         problems.append(f"{error}; drawn at the link's frame, in grey")
         pose, colour = np.eye(4), PLAIN
-    surfaces = [surface.moved(pose) for surface in _surfaces(geometry, colour, package_dirs, folder)]
+    surfaces = [surface.moved(pose) for surface in _surfaces(geometry, colour, files)]
     for surface in surfaces:
         if not np.all(np.abs(surface.vertices) <= _FURTHEST):
             raise ValueError(f"a point is not within {_FURTHEST:g} m")
@@ -114,15 +109,13 @@ def _numbers(element: Any, attribute: str, default: str, counts: tuple[int, ...]
     raise ValueError(f'<{element.tag} {attribute}="{printable(text)}"> is not {expected} finite number(s)')
 
 
-def _surfaces(
-    geometry: Any, colour: Colour | None, package_dirs: Sequence[str | Path], folder: Path
-) -> Iterator[Surface]:
+def _surfaces(geometry: Any, colour: Colour | None, files: RobotFiles) -> Iterator[Surface]:
     for element in geometry:
         if element.tag == "mesh":
             scale = np.array(_numbers(element, "scale", "1 1 1", (1, 3))) * np.ones(3)
             if not np.all(scale):
                 raise ValueError(f'<mesh scale="{printable(element.get("scale"))}"> leaves nothing to draw')
-            for surface, own in load_mesh(resolve(element.get("filename", ""), package_dirs, folder)):
+            for surface, own in load_mesh(files.mesh(element.get("filename", ""))):
                 scaled = surface.moved(np.diag([*scale, 1.0]))
                 yield scaled if own or colour is None else painted(scaled.vertices, scaled.faces, colour)
         elif (shape := _primitive(element)) is not None:

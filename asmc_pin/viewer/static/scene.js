@@ -43,8 +43,9 @@ const AsmcScene = (() => {
         if (body.joint < 0) return;
         const node = this.motions[index];
         const axis = new THREE.Vector3(...body.axis);
-        if (body.prismatic) node.position.copy(axis.multiplyScalar(q[body.joint]));
-        else node.quaternion.setFromAxisAngle(axis, q[body.joint]);
+        const value = body.ratio * q[body.joint] + body.offset;
+        if (body.prismatic) node.position.copy(axis.multiplyScalar(value));
+        else node.quaternion.setFromAxisAngle(axis, value);
       });
     }
 

@@ -320,10 +320,24 @@ def test_a_design_whose_time_is_up_says_what_it_has(tmp_path: Path) -> None:
     assert report.bound is not None
     assert report.check is not None
     assert report.rounds == 1
-    assert "budget of 0.001 s was up" in report.unfinished
+    assert "a better M̄ than that of 1 programs (the budget of 0.001 s was up)" in report.unfinished
+    assert "all that explains it (the budget of 0.001 s was up)" in report.unfinished
     assert any("not all was done" in line for line in report.lines())
     assert report.to_json_dict()["bound_kind"] == "rigorous dual bound"
     # One program knows too little, and its M̄ is shrunk until the search finds nothing against it.
     assert report.bound <= report.check.lower < 1.0
     assert told
     assert told[-1].doing == "least norm"
+
+
+def test_a_search_and_a_program_that_did_not_meet_are_not_said_to_be_out_of_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("asmc_pin.condition.best_mbar.exchange.ROUNDS", 1)
+    monkeypatch.setattr("asmc_pin.condition.best_mbar.designing.ROUNDS", 1)
+    report = design(load_arm("two_link"), explain=False)
+    assert "(search and program did not meet in 1 programs)" in report.unfinished
+    assert "budget" not in report.unfinished
+    monkeypatch.setattr("asmc_pin.condition.best_mbar.exchange.bandwidth_program", lambda *_: None)
+    failed = design(load_arm("two_link"), objective="bandwidth", explain=False)
+    assert "(the solver found no optimum)" in failed.unfinished

@@ -24,7 +24,7 @@ def pair(tmp_path_factory: pytest.TempPathFactory) -> Arm:
 
 
 def test_inertia_of_a_branch_is_its_block_of_the_whole_and_nothing_couples_them(pair: Arm) -> None:
-    parts = branches(pair.tree.parent)
+    parts = branches(pair.tree)
     assert [part.tolist() for part in parts] == [[0, 1, 2], [3, 4, 5]]
     mass = pair.mass_matrix(np.random.default_rng(0).uniform(*pair.box, (50, 6)))
     assert np.abs(mass[:, :3, 3:]).max() < 1e-14
@@ -36,7 +36,7 @@ def test_inertia_of_a_branch_is_its_block_of_the_whole_and_nothing_couples_them(
 
 def test_arms_on_a_torso_that_turns_are_one_branch(tmp_path: Path) -> None:
     arm = load_arm(write(tmp_path, two_arms(2, torso=True)))
-    assert len(branches(arm.tree.parent)) == 1
+    assert len(branches(arm.tree)) == 1
     assert np.abs(arm.mass_matrix(np.full(5, 0.3))[1:3, 3:]).max() < 1e-12
     assert np.abs(arm.mass_matrix(np.full(5, 0.3))[0, 1:]).max() > 1e-3
 

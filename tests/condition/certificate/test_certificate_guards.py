@@ -21,7 +21,8 @@ from asmc_pin.condition import lemma1_norm
 from asmc_pin.condition.certificate import certify, strategy
 from asmc_pin.condition.certificate.compiled.bisection_tree import cell
 from asmc_pin.condition.certificate.search_and_proof import certified
-from asmc_pin.condition.certificate.statement_forms import DATA, MARGIN, Kind, Statement, _largest, problem_of
+from asmc_pin.condition.certificate.statement import Kind, Statement
+from asmc_pin.condition.certificate.statement_forms import DATA, MARGIN, _largest, problem_of
 from asmc_pin.condition.certificate.walk import Walk
 from asmc_pin.condition.checker import check
 from asmc_pin.condition.domain.along_motion import FollowedMotion, tube
@@ -390,7 +391,7 @@ def test_an_inertia_that_is_not_positive_definite_is_no_arm_to_verify(two_link: 
         with pytest.raises(NotPositiveDefinite):
             run(bad, 0.01)  # type: ignore[operator]
     with pytest.raises(NotPositiveDefinite):
-        evaluate(0, bad, np.zeros((1, 2)), np.full(2, 0.01))
+        evaluate(0, bad.tree, np.zeros((1, 2)), np.full(2, 0.01))
 
 
 @pytest.mark.parametrize("kind", ["weighted", "lemma1"])

@@ -17,7 +17,8 @@ from condition_cases import chain
 from asmc_pin._typing import Array
 from asmc_pin.condition import CONDITIONS, search_worst
 from asmc_pin.condition.certificate import certify
-from asmc_pin.condition.certificate.statement_forms import Kind, canonical
+from asmc_pin.condition.certificate.statement import Kind
+from asmc_pin.condition.certificate.statement_forms import canonical
 from asmc_pin.condition.checker import check
 from asmc_pin.condition.checker.boxes.box_bounds import holds
 from asmc_pin.condition.checker.boxes.quadratic_form import form_of

@@ -22,7 +22,8 @@ LEAF = 255
 DONE = 0
 MORE = 1
 HIT = 2
-STUCK = 3
+NARROW = 3
+WHOLE = 4
 DEEPEST = 40
 """Halvings of one joint after which the proof gives up: cells of some 1e-12 of the range."""
 
@@ -68,8 +69,8 @@ def explore(
 
     Returns:
         (status, boxes left, of which without a hint, bytes recorded, bytes of hint used, tests, share of the volume
-        proven, configuration). Status `DONE`, `MORE`, `HIT` (not positive at the configuration, up to rounding) or
-        `STUCK` (a cell got too small).
+        proven, configuration). Status `DONE`, `MORE`, `HIT` (not positive at the configuration, up to rounding),
+        `NARROW` (a cell that was halved most often is not proven) or `WHOLE` (nor is one without anything to halve).
     """
     n = problem.parent.shape[0]
     k = scratch(n, problem.link.shape[1], problem.motion.shape[2])
@@ -109,8 +110,10 @@ def explore(
                 if r[j] > 0.0 and share[j] > largest:
                     largest = share[j]
                     split = j
-            if split < 0 or levels[count - 1, split] >= DEEPEST:
-                return STUCK, count, count - hinted, written, used, tests, volume, c
+            if split < 0:
+                return WHOLE, count, count - hinted, written, used, tests, volume, c
+            if levels[count - 1, split] >= DEEPEST:
+                return NARROW, count, count - hinted, written, used, tests, volume, c
         elif known:
             hinted += 2
         record[written] = split

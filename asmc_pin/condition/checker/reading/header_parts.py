@@ -17,7 +17,7 @@ from pydantic import (
     model_validator,
 )
 
-from asmc_pin.words.text import printable
+from asmc_pin.words.text import printable, visible
 
 _ROUNDED = 1e-9
 """Of a payload's largest principal moment: digits that somebody may have rounded."""
@@ -52,6 +52,12 @@ def _shown(name: str) -> str:
     if name != printable(name):
         raise ValueError("a name that can be shown as it is expected")
     return name
+
+
+def _seen_whole(text: str) -> str:
+    if text != visible(text):
+        raise ValueError("a text that can be shown as it is expected")
+    return text
 
 
 Hex = Annotated[float, BeforeValidator(_from_hex)]
@@ -141,8 +147,18 @@ class Seen(Part):
     armature: Row
 
 
+class WrittenProviso(Part):
+    """In what the arm is not as the file that its maker read; no statement rests on it."""
+
+    kind: Name
+    text: Annotated[str, Field(min_length=1, max_length=100_000), AfterValidator(_seen_whole)]
+
+
 class Header(Part):
-    """What every header says. `arm`, `source`, `sha256` and the labels are its maker's words and are not used."""
+    """What every header says. `arm`, `source`, `sha256` and the labels are its maker's words and are not used.
+
+    Nor do statements rest on `provisos`, which are repeated as its maker's words.
+    """
 
     format: Text
     arm: Text
@@ -150,6 +166,7 @@ class Header(Part):
     sha256: Text
     urdf_sha256: Text
     joints: Annotated[tuple[Name, ...], Field(min_length=1, max_length=64)]
+    provisos: tuple[WrittenProviso, ...] = ()
     mbar: tuple[Annotated[Hex, Field(gt=0.0)], ...]
     # The first bad one is enough: a message for each of many costs more than the file.
     cases: Annotated[tuple[WrittenCase, ...], Field(min_length=1), FailFast()]

@@ -10,7 +10,7 @@ from asmc_pin.condition.checker.reading.certificate_schema import Contents
 from asmc_pin.condition.checker.reading.header_parts import Header, Load, Malformed, WrittenCase
 from asmc_pin.condition.checker.reading.link_chain import Chain
 from asmc_pin.condition.checker.reading.urdf_text import Description
-from asmc_pin.condition.hypotheses import Carried, Hypotheses, Premises, fold_locks
+from asmc_pin.condition.hypotheses import Carried, Hypotheses, Premises, Proviso, fold_locks
 from asmc_pin.words.text import printable
 
 
@@ -73,6 +73,7 @@ def subject(told: Header, urdf: str, robot: Description, chain: Chain) -> Subjec
         where="box" if len(boxes) == 1 else "boxes",
         parts=len(boxes),
         boxes=tuple(boxes) if len(boxes) > 1 else (),
+        provisos=tuple(Proviso(p.kind, f"as the certificate's maker says: {p.text}") for p in told.provisos),
     )
     hypotheses = Premises(**premises)
     if isinstance(told, Contents):

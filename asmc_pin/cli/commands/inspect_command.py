@@ -1,0 +1,47 @@
+"""`asmc-pin inspect`: what was read of a URDF, and what is doubtful about it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from asmc_pin.cli.app import LISTS, app
+from asmc_pin.cli.console import note, print_json, say
+from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, single_keywords, takes_loading_options
+from asmc_pin.cli.options import ArmArgument, JsonOption
+from asmc_pin.disk.files import check_writable
+
+
+@app.command(rich_help_panel=LISTS)
+@takes_loading_options()
+def inspect(
+    arm: ArmArgument,
+    html: Annotated[
+        str | None,
+        typer.Option(metavar="FILE", help="A 3-D page of the arm with inertia ellipsoids, centres of mass and axes."),
+    ] = None,
+    loading: LoadingOptions = NOTHING,
+    as_json: JsonOption = False,
+) -> None:
+    """Say what is read of a URDF, joint by joint, and all that is doubtful about it, in one go.
+
+    Exit status 0: other commands take it; 1: they refuse it, the text says why.
+    """
+    keywords = single_keywords(loading)
+    if html is not None and Path(html).parent.exists():  # else it is made
+        check_writable(html)
+    from asmc_pin.inspection import inspect as run
+
+    found = run(arm, **keywords)
+    if html is not None and not found.refusal:
+        found.write_page(html)
+        note(f"page: {html}")
+    elif html is not None:
+        note(f"a refused arm is not drawn, so {html} was not written")
+    if as_json:
+        print_json(found.to_json_dict())
+    else:
+        say(*str(found).split("\n"))
+    raise typer.Exit(1 if found.refusal else 0)

@@ -1,0 +1,219 @@
+"""What `inspect` gives: what was read, joint by joint, and all doubts at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from asmc_pin._typing import Array
+from asmc_pin.disk.files import write_whole
+from asmc_pin.errors import ArmError
+from asmc_pin.inspection.subject_of_doubt import Doubt
+from asmc_pin.words.provisos import Proviso, provisos_json
+from asmc_pin.words.shown import Cells, Shown, aligned
+from asmc_pin.words.text import printable, quoted
+
+
+@dataclass(frozen=True, eq=False)
+class InspectedJoint:
+    """One moving joint, and the body that it carries up to the next ones; SI units, limits infinite where undeclared.
+
+    Attributes:
+        name: Its name.
+        hangs_on: The moving joint that it hangs on; empty for the base.
+        kind: ``revolute``, ``continuous`` or ``prismatic``.
+        follows: The joint that it mimics and follows; empty where it has a coordinate of its own.
+        axis: In the base frame with all joints at zero, shape (3,).
+        place: Of its frame in the base frame there, shape (3,), m.
+        limits: Lower and upper limit, effort and velocity.
+        losses: Friction and damping.
+        armature: Reflected rotor inertia, kg·m² (kg).
+        links: The links of the body, the joint's child first.
+        mass: Of the body, kg.
+        com: Its centre of mass in the joint's frame, shape (3,), m.
+        inertia: About that centre in the joint's axes, shape (3, 3), kg·m².
+        radii: Its radii of gyration, ascending, shape (3,), m.
+    """
+
+    name: str
+    hangs_on: str
+    kind: str
+    follows: str
+    axis: Array
+    place: Array
+    limits: tuple[float, float, float, float]
+    losses: tuple[float, float]
+    armature: float
+    links: tuple[str, ...]
+    mass: float
+    com: Array
+    inertia: Array
+    radii: Array
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """All of it; undeclared limits are null."""
+        keys = ("lower", "upper", "effort", "velocity")
+        limits = {key: value if np.isfinite(value) else None for key, value in zip(keys, self.limits, strict=True)}
+        body = {
+            "links": [printable(link) for link in self.links],
+            "mass": self.mass,
+            "com": self.com.tolist(),
+            "inertia": self.inertia[np.triu_indices(3)].tolist(),
+            "radii_of_gyration": self.radii.tolist(),
+        }
+        return {
+            "joint": printable(self.name),
+            "hangs_on": printable(self.hangs_on) or None,
+            "kind": self.kind,
+            "follows": printable(self.follows) or None,
+            "axis": self.axis.tolist(),
+            "place": self.place.tolist(),
+            **limits,
+            "friction": self.losses[0],
+            "damping": self.losses[1],
+            "armature": self.armature,
+            "body": body,
+        }
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Inspection(Shown):
+    """What was read of a URDF, and what is doubtful.
+
+    Attributes:
+        name: The arm's name, or the file's stem.
+        source: The file.
+        sha256: Hash of the URDF.
+        joints: What moves, base first.
+        standing: Links that stand still with the base.
+        locked: Joints that were locked, and where, rad (m).
+        refusal: Why other commands refuse it; empty where they take it.
+        doubts: All that looks unmeant, the serious ones first.
+        notes: What was taken otherwise than written.
+        provisos: In what it is not as its file says.
+        page: The 3-D page; empty where the arm is refused.
+    """
+
+    name: str
+    source: Path
+    sha256: str
+    joints: Sequence[InspectedJoint]
+    standing: tuple[str, ...]
+    locked: dict[str, float]
+    refusal: str
+    doubts: tuple[Doubt, ...]
+    notes: tuple[str, ...]
+    provisos: tuple[Proviso, ...]
+    page: Any
+
+    def lines(self) -> list[str]:
+        """What it is, and whether other commands take it."""
+        count = sum(not joint.follows for joint in self.joints)
+        mass = sum(joint.mass for joint in self.joints)
+        said = [
+            f"{quoted(self.name)}: {count} moving joint{'s' if count != 1 else ''}, {mass:.4g} kg move "
+            f"(URDF {self.sha256[:16]}…)"
+        ]
+        if self.locked:
+            said.append("locked: " + ", ".join(f"{quoted(name)} at {angle:g}" for name, angle in self.locked.items()))
+        said += [f"{proviso.kind}: {proviso.text}" for proviso in self.provisos]
+        if self.refusal:
+            said += [f"REFUSED by other commands: {line}" if not k else line for k, line in enumerate(self._why())]
+        return said
+
+    def table(self) -> Cells:
+        """The joints: where they hang, their axes and limits, what they lose."""
+        rows = []
+        for joint in self.joints:
+            lower, upper, effort, velocity = (_limit(value) for value in joint.limits)
+            span = f"{lower} … {upper}" if joint.kind != "continuous" else "endless"
+            losses = [f"{value:.3g}" for value in (*joint.losses, joint.armature)]
+            rows.append(
+                [
+                    printable(joint.name),
+                    printable(joint.hangs_on) or "base",
+                    f"follows {printable(joint.follows)}" if joint.follows else joint.kind,
+                    _axis(joint.axis),
+                    span,
+                    effort,
+                    velocity,
+                    *losses,
+                ]
+            )
+        figures = ["axis at q = 0", "range", "torque", "speed", "friction", "damping", "armature"]
+        return ["joint (SI units)", "hangs on", "kind", *figures], rows
+
+    def bodies(self) -> Cells:
+        """The bodies: masses, centres, radii of gyration, links."""
+        rows = [
+            [
+                printable(joint.name),
+                f"{joint.mass:.4g}",
+                "  ".join(f"{x:.3f}" for x in joint.com),
+                "  ".join(f"{x:.3f}" for x in joint.radii),
+                ", ".join(map(quoted, joint.links[:4])) + (" …" if len(joint.links) > 4 else ""),
+            ]
+            for joint in self.joints
+        ]
+        return ["moves with", "mass kg", "centre m, joint's frame", "radii of gyration m", "links"], rows
+
+    def remarks(self) -> list[str]:
+        """The bodies, then the doubts and the notes."""
+        said = ["", *aligned(self.bodies())]
+        if self.standing:
+            more = f" and {len(self.standing) - 6} more" if len(self.standing) > 6 else ""
+            said.append("stands still: " + ", ".join(map(quoted, self.standing[:6])) + more)
+        said += ["", *([] if self.doubts else ["no doubts"])]
+        said += [f"{'doubt' if doubt.serious else 'remark'}: {doubt.text}" for doubt in self.doubts]
+        return said + [f"note: {note}" for note in self.notes]
+
+    def to_json_dict(self) -> dict[str, Any]:
+        """All of it, ready for JSON."""
+        doubts = [
+            {"kind": d.kind, "about": [printable(name) for name in d.about], "text": d.text, "serious": d.serious}
+            for d in self.doubts
+        ]
+        return {
+            "arm": printable(self.name),
+            "sha256": self.sha256,
+            "joints": [joint.to_json_dict() for joint in self.joints],
+            "standing": [printable(link) for link in self.standing],
+            "locked": {printable(name): value for name, value in self.locked.items()},
+            "refused": self.refusal or None,
+            "doubts": doubts,
+            "notes": list(self.notes),
+            "provisos": provisos_json(self.provisos),
+        }
+
+    def write_page(self, path: str | Path) -> None:
+        """Write the 3-D page: inertia ellipsoids, centres of mass and axes in what is drawn of the arm.
+
+        Args:
+            path: The file.
+
+        Raises:
+            ArmError: The arm is refused, so there is nothing to draw.
+            ResultError: It cannot be written.
+        """
+        if self.page is None:
+            raise ArmError(self.source, f"{self.source}: is refused, so it cannot be drawn: {self.refusal}")
+        write_whole(path, self.page())
+
+    def _why(self) -> list[str]:
+        return self.refusal.split("\n")
+
+
+def _limit(value: float) -> str:
+    return f"{value:.4g}" if np.isfinite(value) else "?"
+
+
+def _axis(axis: Array) -> str:
+    for name, unit in zip("xyz", np.eye(3), strict=True):
+        for sign in (1.0, -1.0):
+            if np.allclose(axis, sign * unit, atol=1e-4):
+                return f"{'+' if sign > 0 else '-'}{name}"
+    return " ".join(f"{x:.3f}" for x in axis)

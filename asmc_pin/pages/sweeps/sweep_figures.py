@@ -1,0 +1,131 @@
+"""Figures of a sweep: distributions over the trials, how far scans came, and figures against what was drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatterMathtext
+
+from asmc_pin._typing import Array
+from asmc_pin.metrics import METRICS
+from asmc_pin.pages.figure_style import PAGE, paper_style
+from asmc_pin.pages.plates import Plate
+from asmc_pin.pages.sweeps.sweep_findings import SweepFindings
+from asmc_pin.pages.sweeps.sweep_tables import unit_of
+from asmc_pin.viewer.colours import controller_colors
+from asmc_pin.words.media import for_figure
+
+_MOST_DOTS = 2000
+_STEPS = 400  # of a curve of shares, so that a figure of 100,000 trials is no larger than one of 100
+
+
+def sweep_plates(findings: SweepFindings) -> Iterator[Plate]:
+    """Every figure that these findings have."""
+    yield Plate(
+        "distributions",
+        _distributions(findings),
+        "Share of the trials with at most this figure. A curve that ends below 1 has failures; further left is better.",
+    )
+    if findings.fails_at:
+        yield Plate("failures", _failures(findings), "Share of the trials that have not failed yet along each scan.")
+    if findings.drawn and findings.draws > 2:
+        yield Plate(
+            "dependence",
+            _dependence(findings),
+            "Figure of each trial against what was drawn in it; a run that failed stands as a cross on the upper edge.",
+        )
+
+
+def _distributions(findings: SweepFindings) -> Figure:
+    with paper_style():
+        figure = _empty(2.5)
+        axes = _row(figure, len(findings.scores))
+        for ax, (name, by_label) in zip(axes, findings.scores.items(), strict=True):
+            for label, colour in controller_colors(findings.labels).items():
+                _shares(ax, by_label[label].ravel(), colour, label)
+            ax.set_xscale("log")
+            ax.xaxis.set_minor_formatter(LogFormatterMathtext(minor_thresholds=(1.0, 0.5)))
+            ax.set_xlabel(for_figure(f"{METRICS[name].title} [{unit_of(findings, name)}]"))
+            ax.set_ylim(0.0, 1.02)
+        _finish(figure, axes, "Share of trials")
+    return figure
+
+
+def _shares(ax: Axes, values: Array, colour: str, label: str, falling: bool = False) -> None:
+    ordered = np.sort(values)
+    share = np.arange(1, ordered.size + 1) / ordered.size
+    finite = np.isfinite(ordered)
+    x, y = ordered[finite], share[finite]
+    kept = np.unique(np.linspace(0, x.size - 1, min(x.size, _STEPS)).astype(int)) if x.size else np.empty(0, dtype=int)
+    height = 1.0 - y[kept] if falling else y[kept]
+    ax.step(x[kept], height, where="post", color=colour, label=for_figure(label))
+
+
+def _failures(findings: SweepFindings) -> Figure:
+    with paper_style():
+        figure = _empty(2.5)
+        axes = _row(figure, len(findings.fails_at))
+        scans = {axis.path: axis for axis in findings.experiment.variation.scans}
+        for ax, (path, by_label) in zip(axes, findings.fails_at.items(), strict=True):
+            start, end = scans[path].scan or (0.0, 1.0)
+            for label, colour in controller_colors(findings.labels).items():
+                way = np.sort(np.abs(by_label[label] - start))  # a scan may run downwards
+                share = 1.0 - np.arange(1, way.size + 1) / way.size
+                finite = np.isfinite(way)
+                x = start + np.sign(end - start) * way[finite]
+                left = [1.0, *share[finite]]
+                xs = np.array([start, *x, end])
+                ax.step(xs, [*left, left[-1]], where="post", color=colour, label=for_figure(label))
+            ax.set_xlim(start, end)
+            ax.set_ylim(-0.02, 1.04)
+            ax.set_xlabel(for_figure(f"{'factor on ' if scans[path].factor else ''}{path}"))
+        _finish(figure, axes, "Share without failure")
+    return figure
+
+
+def _dependence(findings: SweepFindings) -> Figure:
+    names, drawn = list(findings.scores), dict(list(findings.drawn.items())[:4])
+    with paper_style():
+        figure = _empty(0.6 + 1.7 * len(names))
+        grid = np.atleast_2d(figure.subplots(len(names), len(drawn), sharey="row", sharex="col", squeeze=False))
+        for row, name in enumerate(names):
+            for column, (path, at) in enumerate(drawn.items()):
+                ax = grid[row, column]
+                every = np.concatenate([x.ravel() for x in findings.scores[name].values()])
+                top = float(np.max(every[np.isfinite(every)], initial=1e-300)) * 1.5
+                for label, colour in controller_colors(findings.labels).items():
+                    values = findings.scores[name][label]
+                    x = np.repeat(at[:, None], values.shape[1], axis=1).ravel()[:_MOST_DOTS]
+                    y = values.ravel()[:_MOST_DOTS]
+                    over = np.isinf(y)
+                    ax.plot(x[~over], y[~over], ".", ms=2.0, color=colour, label=for_figure(label), rasterized=True)
+                    ax.plot(x[over], np.full(int(over.sum()), top), "x", ms=3.0, color=colour, rasterized=True)
+                ax.set_yscale("log")
+                ax.yaxis.set_minor_formatter(LogFormatterMathtext(minor_thresholds=(1.0, 0.5)))
+                if row == len(names) - 1:
+                    ax.set_xlabel(for_figure(path))
+                if column == 0:
+                    ax.set_ylabel(f"{for_figure(METRICS[name].title)}\n[{for_figure(unit_of(findings, name))}]")
+        _finish(figure, list(grid.ravel()), None)
+    return figure
+
+
+def _empty(height: float) -> Figure:
+    figure = Figure(figsize=(PAGE, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _row(figure: Figure, count: int) -> list[Axes]:
+    return list(figure.subplots(1, count, sharey=True, squeeze=False)[0])
+
+
+def _finish(figure: Figure, axes: list[Axes], ylabel: str | None) -> None:
+    if ylabel is not None:
+        axes[0].set_ylabel(ylabel)
+    handles, names = axes[0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside upper center", ncols=min(len(names), 6))

@@ -1,0 +1,27 @@
+"""What every statement about an arm has to carry along: in what the arm is not as its file says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from asmc_pin.words.text import visible
+
+
+class Proviso(NamedTuple):
+    """One such thing; it stands in every report, page, certificate and provenance.
+
+    Attributes:
+        kind: A few words for a headline, such as "estimated inertia".
+        text: What was done, with figures, as one sentence without a full stop.
+        headline: Whether the arm is another one for it, so that no headline goes without it.
+    """
+
+    kind: str
+    text: str
+    headline: bool = True
+
+
+def provisos_json(provisos: Sequence[Proviso]) -> list[dict[str, str]]:
+    """The same as ``--json`` and provenance have it."""
+    return [{"kind": visible(kind), "text": visible(text)} for kind, text, _ in provisos]

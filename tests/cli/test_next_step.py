@@ -1,0 +1,96 @@
+"""Claims about the last line of a verdict: the command that follows from it, about the same arm and ranges."""
+
+import json
+import re
+import shlex
+
+import numpy as np
+import pytest
+
+from asmc_pin import lemma1_norm, load_arm, verify, weighted_norm
+from asmc_pin.cli.entry import main
+from asmc_pin.condition.search.what_would_help import joint_to_blame
+
+
+def run(capsys, *words):
+    """Exit status and standard output of a command."""
+    with pytest.raises(SystemExit) as ended:
+        main(words)
+    return ended.value.code, capsys.readouterr().out
+
+
+def next_words(out):
+    """The words of the command that the last line names, without the program's name."""
+    found = re.fullmatch(r"next: [^:]+: (asmc-pin .*)", out.splitlines()[-1])
+    assert found, out.splitlines()[-1]
+    return shlex.split(found[1])[1:]
+
+
+def test_after_a_violation_the_next_command_finds_an_mbar_for_the_same_arm_that_is_not_violated(capsys):
+    status, out = run(capsys, "verify", "two_link", "--mbar", "9", "--payload", "1.5", "--box", "joint_2=-1:1")
+    assert status == 1
+    words = next_words(out)
+    assert words[:2] == ["design", "two_link"]
+    assert sorted(words[2:]) == sorted(["--box", "joint_2=-1:1", "--payload", "1.5"])
+    status, out = run(capsys, *words, "--json")
+    assert status == 0
+    assert json.loads(out)["payload"]["mass"] == 1.5
+
+
+GOOD = np.array([0.14779, 0.16718, 0.15018, 0.08178, 0.0941, 0.01704])
+"""An M̄ that a search on the UR5 does not refute, kg·m²."""
+
+
+def test_the_joint_to_blame_is_the_one_whose_mbar_was_made_too_large():
+    arm = load_arm("ur5")
+    assert verify(arm, GOOD, samples=4096).remedy is None
+    for condition in ("lemma1", "weighted"):
+        for joint, name in enumerate(arm.joint_names):
+            wrong = GOOD.copy()
+            wrong[joint] *= 100.0
+            remedy = verify(arm, wrong, condition=condition, samples=4096).remedy
+            assert (remedy.joint, remedy.side) == (name, "large")
+
+
+@pytest.mark.parametrize(("condition", "norm"), [("lemma1", lemma1_norm), ("weighted", weighted_norm)])
+def test_the_joint_to_blame_is_where_the_norm_depends_on_mbar_most(condition, norm):
+    arm = load_arm("ur5")
+    rng = np.random.default_rng(0)
+    for q in rng.uniform(-3.0, 3.0, (20, 6)):
+        mass, mbar = arm.mass_matrix(q), GOOD * np.exp(rng.normal(size=6))
+        step = 1e-6 * np.diag(mbar)
+        slope = np.array([norm(mass, mbar + one) - norm(mass, mbar - one) for one in step])
+        joint, side = joint_to_blame(condition, mass, mbar)
+        assert joint == np.argmax(np.abs(slope))
+        assert side == ("large" if slope[joint] > 0.0 else "small")
+
+
+@pytest.mark.parametrize("condition", ["lemma1", "weighted"])
+def test_the_multiple_that_a_violation_names_holds_and_a_larger_one_does_not(condition):
+    arm = load_arm("two_link")
+    remedy = verify(arm, [1.0, 0.8], condition=condition).remedy
+    assert 0.0 < remedy.scale < 1.0
+    for factor, verdict in ((0.99, "unrefuted"), (1.01, "violated")):
+        mbar = factor * remedy.scale * np.array([1.0, 0.8])
+        assert verify(arm, mbar, condition=condition).verdict == verdict
+
+
+def test_joints_that_do_not_suit_each_other_are_said_to_bear_no_multiple():
+    arm = load_arm("ur5")
+    remedy = verify(arm, [1.0, 1e-6, 1.0, 1e-6, 1.0, 1.0], samples=4096).remedy
+    assert remedy.scale == 0.0
+    assert "no multiple" in remedy.lines()[1]
+
+
+def test_after_a_search_that_refutes_nothing_the_next_command_proves_the_same_statement(capsys):
+    status, out = run(capsys, "verify", "two_link", "--mbar", "0.02")
+    assert status == 0
+    status, out = run(capsys, *next_words(out))
+    assert status == 0
+    assert "holds" in out
+    assert next_words(out)[:1] == ["design"]
+
+
+def test_json_carries_no_such_line(capsys):
+    _, out = run(capsys, "verify", "two_link", "--mbar", "9", "--json")
+    assert json.loads(out)["verdict"] == "violated"

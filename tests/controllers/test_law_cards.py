@@ -1,0 +1,93 @@
+"""The cards of the laws: what they say is asked of the step, and what they suggest holds three arms."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from plant_cases import Waving
+
+from asmc_pin.arms import Arm, load_arm
+from asmc_pin.cli import main
+from asmc_pin.controllers import CONTROLLERS
+from asmc_pin.controllers.law_card import law_card, suggested
+from asmc_pin.engine import rollout
+from asmc_pin.plant import Friction, Plant
+
+ARMS: dict[str, tuple[dict[str, Any], list[float], list[float]]] = {
+    "two_link": ({}, [0.04, 0.03], [-1.2, 0.3]),
+    "ur5": (
+        {"armature": [0.5, 0.5, 0.3, 0.05, 0.05, 0.05]},
+        [0.623, 0.877, 0.649, 0.262, 0.208, 0.0198],
+        [0.3, -1.0, 1.2, 0.4, 0.8, 0.2],
+    ),
+    "panda": (
+        {"armature": [0.3, 0.3, 0.3, 0.3, 0.1, 0.1, 0.1]},
+        [0.596, 0.616, 0.554, 0.519, 0.145, 0.164, 0.081],
+        [0.0, -0.4, 0.0, -2.0, 0.0, 1.6, 0.8],
+    ),
+}
+"""Options, M̄ of the shipped experiments, and where the motion begins, rad."""
+
+LAWS = list(CONTROLLERS)
+
+
+@cache
+def arm_of(name: str) -> Arm:
+    return load_arm(name, **ARMS[name][0])
+
+
+@pytest.mark.parametrize("arm", ARMS)
+@pytest.mark.parametrize("name", LAWS)
+def test_what_a_card_suggests_follows_a_motion_of_three_arms_under_friction(name: str, arm: str) -> None:
+    _, mbar, start = ARMS[arm]
+    law = suggested(CONTROLLERS[name], mbar=mbar)
+    plant = Plant(arm_of(arm), friction=Friction(1.0, 0.3), effort_limit=np.inf)
+    run = rollout(plant, law, Waving(np.array(start), amplitude=0.2), 1.5)
+    assert run.status == ("ok",)
+    assert np.abs(run.q_ref - run.q[0]).max() < 0.05
+
+
+def test_a_card_says_what_reaches_the_torque_and_what_is_remembered() -> None:
+    adrc, pid, ppc = (law_card(name, CONTROLLERS[name]) for name in ("adrc", "pid", "ppc"))
+    assert adrc.reads == ("q", "torque", "q_ref", "v_ref", "a_ref")  # from position only
+    assert pid.reads == ("q", "v", "torque", "q_ref", "v_ref")
+    assert set(ppc.reads) == {"q", "v", "torque", "q_ref", "v_ref", "a_ref"}
+    assert adrc.remembers == ("position", "velocity", "load")
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_card_is_complete_and_its_block_is_closed(name: str) -> None:
+    card = law_card(name, CONTROLLERS[name])
+    assert all((card.equation, card.oracle, card.claim, card.fails, card.source, card.remembers))
+    required = {item.name for item in card.parameters if item.typical == "required"}
+    assert not required
+    assert set(CONTROLLERS[name].typical) <= {item.name for item in card.parameters}
+    top, first, second, bottom = card.diagram()
+    assert top.lstrip()[0] + top[-1] == "┌┐"
+    assert bottom.lstrip()[0] + bottom[-1] == "└┘"
+    assert first.endswith("│──> τ")
+    assert second.endswith("│")
+
+
+def test_the_command_prints_a_card_with_what_a_tick_costs(capfd: pytest.CaptureFixture[str]) -> None:
+    def asked(*more: str) -> tuple[Any, str, str]:
+        with pytest.raises(SystemExit) as end:
+            main(["controllers", *more])
+        return end.value.code, *capfd.readouterr()
+
+    status, out, _ = asked("barrier")
+    assert status == 0
+    assert "|s|/ε = n/(1 + n)" in out
+    assert "µs at batch 1 and" in out
+    status, out, _ = asked("barrier", "--json")
+    found = json.loads(out)
+    assert status == 0
+    assert found["name"] == "barrier"
+    assert found["microseconds"]["256"] > 0.0
+    status, out, said = asked("barier")
+    assert (status, out) == (2, "")
+    assert "did you mean 'barrier'" in said

@@ -1,0 +1,201 @@
+"""The rows of a sweep: the same bits whatever the blocks, the workers and the batch; never stale; nothing lost."""
+
+import shutil
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from sweep_cases import contents, tiny
+
+from asmc_pin.engine import rollout
+from asmc_pin.errors import ExperimentError, ParameterError, ResultError
+from asmc_pin.metrics import METRICS, evaluate
+from asmc_pin.sweeping import sweep
+from asmc_pin.sweeping.block_rows import BlockRows
+from asmc_pin.sweeping.sweep_key import sweep_key
+from asmc_pin.sweeping.sweep_plan import sweep_plan
+from asmc_pin.sweeping.trial_replay import replay
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A sweep in one process, and the experiment."""
+    folder = tmp_path_factory.mktemp("whole") / "tiny"
+    return sweep(tiny(), 6, folder, workers=1, block=4), folder
+
+
+def whole_rows(folder):
+    return pq.read_table(folder / "rows.parquet").to_pandas()
+
+
+def test_the_result_is_the_same_bytes_whatever_the_workers_and_the_blocks(whole, tmp_path):
+    for name, workers, block in (("a", 1, 12), ("b", 2, 5)):
+        sweep(tiny(), 6, tmp_path / name, workers=workers, block=block)
+        made, known = contents(tmp_path / name), contents(whole[1])
+        same = {path for path in known if not path.startswith("rows/")}
+        assert {path for path in made if not path.startswith("rows/")} == same
+        assert all(made[path] == known[path] for path in same)
+
+
+@pytest.mark.parametrize("trial", [0, 3, 10])
+def test_a_row_is_what_its_trial_gives_alone(whole, trial):
+    """Each trial's own experiment, built from its tables and run by itself: the same bits as in the lockstep batch."""
+    experiment = tiny()
+    variation = experiment.variation
+    tables = variation.tables(variation.quantities(trial))
+    draw = variation.place_of(trial)[1]
+    single = experiment.replace(**{**tables, "sweep": None, "trial": draw})
+    rows = whole_rows(whole[1])
+    for label, law in single.build_controllers().items():
+        run = rollout(single.build_plant(), law, single.build_reference(), single.duration)
+        here = rows[(rows.trial == trial) & (rows.controller == label)]
+        for name, values in evaluate(run, single.metric_settings()).items():
+            assert np.array_equal(here[name].to_numpy(), values[0], equal_nan=True), name
+
+
+@pytest.mark.parametrize(
+    "axes",
+    [
+        {"controllers.BSMC.gain": {"uniform": [1.0, 9.0]}, "plant.effort_limit": {"uniform": [20.0, 30.0]}},
+        {"defaults.ks": {"uniform": [4.0, 6.0]}, "plant.q0": {"values": [[0.3, 0.2], [0.31, 0.2]]}},
+        {"reference.move": {"uniform": [0.05, 0.1]}},
+        {"plant.friction.breakaway": {"uniform": [1.0, 3.0]}, "plant.friction.presliding": {"values": [0.0, 500.0]}},
+        {"arm.source": {"values": ["two_link", "so100"]}, "defaults.ks": {"factor": {"lognormal": 0.1}}},
+        {"plant.substeps": {"values": [1, 2]}, "period": {"values": [0.001, 0.002]}},
+        {"arm.payload.mass": {"lognormal": 0.2}, "arm.armature": {"uniform": [0.0, 0.1]}},
+    ],
+)
+def test_lockstep_is_a_matter_of_speed_alone_whatever_varies(axes):
+    """Blocks of one trial have nothing to share; rows in one block are the same."""
+    changes = {}
+    if "arm.source" in axes:
+        changes = {"plant": {"friction": {"coulomb": 0.5}}, "defaults": {"mbar": 0.01, "ks": 5.0, "beta": 4.0}}
+        still = {nv: {"kind": "quintic", "start": [0.1] * nv, "targets": [[0.12] * nv], "move": 0.1} for nv in (2, 5)}
+        axes = {**axes, "reference": {"values": [still[2], still[5]], "with": "arm.source"}}
+    experiment = tiny(axes, **changes)
+    found = []
+    for block in (1, 8):
+        plan = sweep_plan(experiment, 3, block, "key")
+        run = BlockRows(plan)
+        found.append(pa.concat_tables([run.table(each) for each in plan.blocks]).to_pandas())
+    assert len(found[0]) > 8
+    assert found[0].equals(found[1])
+
+
+def test_laws_that_know_the_model_know_the_arm_of_each_trial(tmp_path):
+    laws, free = {"CT": {"law": "computed_torque"}}, {"friction": {"coulomb": 0.0}}
+    made = sweep(
+        tiny({"arm.payload": {"values": [0.0, 2.0]}}, controllers=laws, plant=free), 1, tmp_path / "s", workers=1
+    )
+    rows = whole_rows(made.out)
+    assert set(rows.controller) == {"CT (knows the model)"}
+    # It cancels each trial's own load, so that the errors are those of no load; 2 kg that it did not know would show.
+    light, heavy = (rows[rows.trial == trial].rms_error.to_numpy() for trial in (0, 1))
+    assert np.allclose(light, heavy, rtol=0.01, atol=0.0)
+    single = tiny({"arm.payload": {"values": [0.0]}}, controllers=laws, plant=free)
+    ignorant = rollout(
+        single.replace(arm={"source": "two_link", "payload": 2.0}).build_plant(),
+        single.replace(arm="two_link").build_controllers()["CT"],
+        single.build_reference(),
+        single.duration,
+    )
+    assert (METRICS["rms_error"](ignorant)[0] > 2.0 * light).any()
+
+
+def test_all_controllers_meet_the_same_trial(whole):
+    rows = whole_rows(whole[1])
+    varied = [name for name in rows if name.startswith("sweep.")]
+    assert len(varied) == 3
+    for _, trial in rows.groupby(["trial", "joint"]):
+        assert (trial[varied].nunique() == 1).all()
+        assert len(trial) == 2
+
+
+def test_more_draws_keep_the_trials_that_were_there(whole, tmp_path):
+    folder = tmp_path / "grown"
+    shutil.copytree(whole[1], folder)
+    first = (folder / "rows" / "000000000-000000003.parquet").stat().st_mtime_ns
+    sweep(tiny(), 8, folder, workers=1, block=4)
+    assert (folder / "rows" / "000000000-000000003.parquet").stat().st_mtime_ns == first
+    rows, fewer = whole_rows(folder), whole_rows(whole[1])
+    assert rows[: len(fewer)].equals(fewer)
+    assert rows.trial.max() == 15
+    with pytest.raises(ResultError, match="more trials than the 12 asked for"):
+        sweep(tiny(), 6, folder, workers=1, block=4)
+
+
+def test_a_stale_row_is_refused_and_never_reused(whole, tmp_path):
+    folder = tmp_path / "stale"
+    shutil.copytree(whole[1], folder)
+    other = tiny(seed=6)
+    with pytest.raises(ResultError, match="--force replaces them"):
+        sweep(other, 6, folder, workers=1, block=4)
+    sweep(other, 6, folder, workers=1, block=4, force=True)
+    sweep(other, 6, tmp_path / "fresh", workers=1, block=4)
+    assert contents(folder) == contents(tmp_path / "fresh")
+
+
+def test_the_key_changes_with_experiment_urdf_and_code(tmp_path, monkeypatch):
+    from paths import REPOSITORY
+
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_bytes((REPOSITORY / "urdf" / "two_link" / "two_link.urdf").read_bytes())
+    own = {"arm": {"source": str(urdf), "payload": 0.5}}
+    keys = [sweep_key(tiny()), sweep_key(tiny(seed=6)), sweep_key(tiny(**own))]
+    urdf.write_text(urdf.read_text().replace("<robot", "<!-- changed --><robot"))
+    keys.append(sweep_key(tiny(**own)))
+    monkeypatch.setattr("asmc_pin.sweeping.sweep_key.code_key", lambda: "another version")
+    keys.append(sweep_key(tiny()))
+    assert len(set(keys)) == len(keys)
+    monkeypatch.undo()
+    assert sweep_key(tiny()) == keys[0]
+
+
+def test_a_damaged_shard_is_computed_anew(whole, tmp_path):
+    folder = tmp_path / "damaged"
+    shutil.copytree(whole[1], folder)
+    shard = folder / "rows" / "000000004-000000007.parquet"
+    shard.write_bytes(shard.read_bytes()[:-20])
+    sweep(tiny(), 6, folder, workers=1, block=4)
+    assert contents(folder) == contents(whole[1])
+    data = bytearray(shard.read_bytes())
+    page = pq.ParquetFile(shard).metadata.row_group(0).column(20)
+    data[page.data_page_offset + page.total_compressed_size - 20] ^= 0xFF  # within a page: its checksum tells
+    shard.write_bytes(bytes(data))
+    with pytest.raises(ResultError, match="damaged"):
+        sweep(tiny(), 6, folder, workers=1, block=4)
+    sweep(tiny(), 6, folder, workers=1, block=4)
+    assert contents(folder) == contents(whole[1])
+
+
+def test_a_draw_that_fits_no_experiment_names_its_trial(tmp_path):
+    sweeping = tiny({"arm.payload": {"normal": [0.6, 0.5]}})
+    bad = next(t for t in range(200) if sweeping.variation.quantities(t)["arm.payload"] < 0.0)
+    for workers in (1, 2):
+        with pytest.raises(ExperimentError, match=rf"trial {bad}: .*arm\.payload\.mass"):
+            sweep(sweeping, bad + 1, tmp_path / str(workers), workers=workers, block=bad // 2 + 1)
+
+
+def test_a_folder_that_is_no_sweep_is_left_alone(tmp_path):
+    (tmp_path / "thesis.tex").write_text("mine")
+    with pytest.raises(ResultError, match="no sweep"):
+        sweep(tiny(), 1, tmp_path, workers=1)
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+    with pytest.raises(ParameterError, match="workers"):
+        sweep(tiny(), 1, tmp_path / "new", workers=0)
+    with pytest.raises(ParameterError, match="trials"):
+        sweep(tiny(), 0, tmp_path / "new", workers=1)
+
+
+def test_a_replay_has_the_figures_of_its_rows_and_its_experiment_runs_alone(whole, tmp_path):
+    folder = tmp_path / "again"
+    shutil.copytree(whole[1], folder)
+    made = replay(tiny(), 6, 7, folder)
+    rows = whole_rows(folder)
+    assert (folder / "replay" / "7" / "report.html").is_file()
+    first = made.rows[made.rows.trial == 0]
+    for name in METRICS:
+        assert np.array_equal(first[name].to_numpy(), rows[rows.trial == 7][name].to_numpy(), equal_nan=True), name
+    with pytest.raises(ParameterError, match="0 to 11"):
+        replay(tiny(), 6, 12, folder)
