@@ -12,9 +12,10 @@ from asmc_pin._typing import Array
 from asmc_pin.controllers.protocol import Controller, Setpoint
 from asmc_pin.errors import ParameterError
 from asmc_pin.plant import Plant
+from asmc_pin.plant.compiled_run.coverage import not_compiled
+from asmc_pin.plant.following import follow_by_pinocchio, follow_compiled
 from asmc_pin.plant.per_trial import per_trial
 from asmc_pin.plant.run_record import LimitViolation, Rollout, outside_limits
-from asmc_pin.plant.run_recorder import CHUNK, MEASURED, TRUTH, Recorder
 from asmc_pin.references.reference import Reference
 from asmc_pin.words.units import check_delay, check_period
 
@@ -74,43 +75,14 @@ def rollout(
     wanted = _evaluate(reference, time, plant.nv)
     q = _initial("q0", wanted.q[0] if q0 is None else q0, batch, plant.nv)
     v = _initial("v0", wanted.v[0] if v0 is None else v0, batch, plant.nv)
-    q_ref, v_ref, a_ref = (
-        np.broadcast_to(x[:, None], (ticks, batch, plant.nv)) for x in (wanted.q, wanted.v, wanted.a)
-    )
-
     trials = _trials(trials, batch)
     plant = plant.for_trials(trials)
     motion = plant.begin(q, v, period, trials)
     held = motion.torque
-    stopped_at = np.full(batch, ticks)
-    k = 0
+    compiled = plant.engine == "compiled" and not_compiled(plant) is None
+    follow = follow_compiled if compiled else follow_by_pinocchio
     with np.errstate(all="ignore"):
-        state = controller.init(motion.sample())
-        names = [*TRUTH]
-        names += [] if motion.ideal_sensor else MEASURED
-        names += [] if motion.external is None else ["external_torque"]
-        names += ["gain"] if hasattr(state, "gain") else []
-        recorder = Recorder(wanted, batch, _ks_of(controller, plant.nv), names)
-        while k < ticks and motion.active.any():
-            stopped = motion.stop_diverged(wanted.q[k])
-            sample = motion.sample()
-            command, state = controller.step(state, sample, Setpoint(q_ref[k], v_ref[k], a_ref[k]))
-            stopped |= motion.apply(_torque_of(controller, command, batch, plant.nv))
-            if stopped:
-                stopped_at[~motion.active & (stopped_at == ticks)] = k
-            q, v = motion.q, motion.v
-            friction = motion.advance()
-            values = [q, v, motion.torque, friction]
-            values += [] if motion.ideal_sensor else [sample.q, sample.v, sample.torque]
-            values += [] if motion.external is None else [motion.external]
-            values += [state.gain] if names[-1] == "gain" else []
-            recorder.write(k, values)
-            k += 1
-            if progress is not None and (k % CHUNK == 0 or k == ticks):
-                progress(k, ticks)
-        histories = recorder.finish(k, stopped_at)
-    if progress is not None and k < ticks:
-        progress(ticks, ticks)
+        histories, stopped_at = follow(controller, motion, wanted, progress)
 
     end_time = time[np.minimum(stopped_at, ticks - 1)]
     for array in (time, wanted.q, wanted.v, wanted.a, end_time, held):
@@ -195,26 +167,3 @@ def _initial(name: str, value: ArrayLike, batch: int, nv: int) -> Array:
     if not np.isfinite(array).all():
         raise ParameterError(name, f"{array.tolist()} given; every value has to be finite")
     return array
-
-
-def _ks_of(controller: Controller, nv: int) -> Array | None:
-    """K_s of a law that has one, or None: a law of the user's own may call anything ``ks``."""
-    try:
-        ks = np.asarray(getattr(controller, "ks", None), dtype=np.float64)
-    except (TypeError, ValueError):
-        return None
-    return ks if ks.shape in ((), (nv,)) and not np.isnan(ks).any() else None
-
-
-def _torque_of(controller: Controller, command: ArrayLike, batch: int, nv: int) -> Array:
-    try:
-        torque = np.ascontiguousarray(command, dtype=np.float64)
-    except (TypeError, ValueError):
-        torque = np.empty(0)
-    if np.shape(command) != (batch, nv):
-        raise ParameterError(
-            "controller",
-            f"{type(controller).__name__}.step returned a torque of shape {np.shape(command)}; "
-            f"expected (batch, nv) = {(batch, nv)}",
-        )
-    return torque

@@ -1,34 +1,45 @@
-"""Wall time of a rollout over that of the bare dynamics: as many `pin.abaInParallel` calls on the same batch.
+"""What a rollout costs over bare dynamics: the processor time of a run over that of as many `pin.abaInParallel` calls.
 
-    python benchmarks/rollout.py [--batches 1 16 256] [--threads 1] [--repeats 7]
+    python benchmarks/rollout.py [--repeats 7] [--scaling]
 
-The rollout is a UR5 under the proposed law with two substeps per control period of 1 ms: law, torque limits, check for
-divergence, dynamics, mass matrix, friction solver, integration and log. "friction" has Coulomb and viscous friction in
-every joint and ideal drives and sensors; "full" has a Stribeck curve too, drives with delay, current loop and speed
-limits, and encoders with noise, a filter and a delay. The baseline calls Pinocchio alone, on arrays made beforehand, as
-often as the rollout does. Both are timed in turn in one process, and of each the best repeat counts: the one that other
-programs disturbed least.
+A run is a UR5 under a law at 1 kHz with one integration step per period, every tick logged: law, torque limits, check
+for divergence, dynamics, friction, integration, log, and all that a `rollout` does before and after. The baseline calls
+Pinocchio's forward dynamics alone, on arrays made beforehand, once per tick and trial. Both are measured in one process
+on one thread, in processor time, which other programs disturb less than the clock; of each the best repeat counts.
+
+"numpy law" is the same law with its adaptation written in numpy, as a user's own would be, asked tick by tick. "full"
+has a Stribeck curve, drives with delay, current loop and speed limits, and encoders with noise, a filter and a delay.
+
+Beside them stand MuJoCo's on the same arm, without friction and law: a Python loop round `mj_step`, and its `rollout`
+in C, open loop. They are left out, and that is said, where MuJoCo is not installed.
+
+With ``--scaling``: cost against batch, joints, horizon and threads; the last by the clock, so it wants idle processors.
 """
 
 from __future__ import annotations
 
 import argparse
 import platform
-from time import perf_counter
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter, process_time
 
 import numpy as np
 import pinocchio as pin
 
-from asmc_pin import Plant, Rollout, load_arm, rollout
-from asmc_pin.controllers import Baek2016
+from asmc_pin import Arm, Plant, load_arm, rollout
+from asmc_pin.agreement.mujoco_model import Twin
+from asmc_pin.controllers import AdaptiveState, Baek2016, Ppc, Sample, Setpoint, signed
+from asmc_pin.errors import MissingDependencyError
 from asmc_pin.plant import Drive, Friction, Sensor
 from asmc_pin.references import Multisine
 
 PERIOD = 1e-3  # s
-SUBSTEPS = 2
 ARM = load_arm("ur5", payload=2.0, armature=[0.5, 0.5, 0.3, 0.05, 0.05, 0.05])
 FRICTION = Friction(coulomb=[8.0, 8.0, 5.0, 2.0, 2.0, 1.0], viscous=[1.0, 1.0, 1.0, 0.2, 0.2, 0.1])
 PLANTS = {
+    "frictionless": {"friction": Friction()},
     "friction": {"friction": FRICTION},
     "full": {
         "friction": Friction(FRICTION.coulomb, FRICTION.viscous, breakaway=1.4 * FRICTION.coulomb),
@@ -38,15 +49,8 @@ PLANTS = {
         ),
     },
 }
-LAW = Baek2016(
-    mbar=[0.6228, 0.8771, 0.6488, 0.2616, 0.2080, 0.0198],
-    ks=8.0,
-    beta=8.0,
-    period=PERIOD,
-    phi=800.0,
-    alpha=0.03,
-    epsilon=0.01,
-)
+GAINS = {"mbar": [0.6228, 0.8771, 0.6488, 0.2616, 0.2080, 0.0198], "ks": 8.0, "beta": 8.0, "period": PERIOD}
+ADAPTATION = {"phi": 800.0, "alpha": 0.03, "epsilon": 0.01}
 REFERENCE = Multisine(
     offset=[0.0, -1.3, 1.6, -1.2, -1.4, 0.0],
     amplitude=[0.7, 0.35, 0.4, 0.5, 0.5, 0.8],
@@ -54,51 +58,176 @@ REFERENCE = Multisine(
 )
 
 
-def bare_dynamics(run: Rollout, calls: int, threads: int) -> float:
-    """Seconds that Pinocchio takes for `calls` forward dynamics of the batch, at the run's last states."""
-    q, v, torque = (np.ascontiguousarray(x[:, -1]) for x in (run.q, run.v, run.torque))
-    out = np.empty_like(q)
-    pool = pin.ModelPool(ARM.model, threads)
-    start = perf_counter()
-    for _ in range(calls):
-        pin.abaInParallel(threads, pool, q.T, v.T, torque.T, out.T)
-    return perf_counter() - start
+class InNumpy(Baek2016):
+    """The law with a step of its own in numpy."""
+
+    def step(self, state: AdaptiveState, sample: Sample, setpoint: Setpoint) -> tuple[np.ndarray, AdaptiveState]:
+        """Torque and next state."""
+        torque, s, tde = self.pole_placement(state.tde, sample, setpoint)
+        size, gain = np.abs(s), state.gain
+        outside = np.maximum.reduce(size, axis=-1, keepdims=True) >= self.epsilon
+        fall = self.period * self.phi * self.alpha
+        drop = np.divide(fall, size, out=gain.copy(), where=gain * size > fall)
+        grown = gain + self.period * self.phi / self.alpha * size
+        gain = np.where(outside | (gain <= self.threshold), grown, gain - drop)
+        return torque + self.mbar * signed(gain, s), AdaptiveState(tde, gain)
 
 
-def measure(plant: Plant, batch: int, threads: int, repeats: int) -> tuple[float, float]:
-    """Microseconds per step of a rollout, and of the bare dynamics."""
-    duration = 0.8 if batch < 64 else 0.25
-    threads = max(1, min(threads, batch // 8))
-    taken, bare = [], []
+LAWS = {"baek2016": Baek2016(**GAINS, **ADAPTATION), "numpy law": InNumpy(**GAINS, **ADAPTATION)}
+
+
+def best(run: Callable[[], object], repeats: int, clock: Callable[[], float] = process_time) -> float:
+    """Least time of a call, s."""
+    times = []
     for _ in range(repeats):
-        start = perf_counter()
-        run = rollout(plant, LAW, REFERENCE, duration, batch=batch)
-        taken.append(perf_counter() - start)
-        assert set(run.status) == {"ok"}
-        steps = SUBSTEPS * len(run.time)
-        bare.append(bare_dynamics(run, steps, threads))
-    return 1e6 * min(taken) / steps, 1e6 * min(bare) / steps
+        start = clock()
+        run()
+        times.append(clock() - start)
+    return min(times)
+
+
+def ticks_for(batch: int) -> int:
+    return max(60, min(4000, 60_000 // batch))
+
+
+def bare(batch: int, repeats: int) -> float:
+    """Pinocchio's forward dynamics, µs per trial and call."""
+    q, v, torque = np.random.default_rng(0).uniform(-1.0, 1.0, (3, batch, ARM.nv))
+    out, pool, calls = np.empty_like(q), pin.ModelPool(ARM.model, 1), max(1, 4000 // batch)
+
+    def call() -> None:
+        for _ in range(calls):
+            pin.abaInParallel(1, pool, q.T, v.T, torque.T, out.T)
+
+    return 1e6 * best(call, 4 * repeats) / calls / batch
+
+
+def ours(plant: str, law: str, batch: int, repeats: int) -> float:
+    """A rollout, µs per trial and tick."""
+    ticks = ticks_for(batch)
+    world = Plant(ARM, substeps=1, **PLANTS[plant])
+    run = rollout(world, LAWS[law], REFERENCE, 5 * PERIOD, batch=batch)  # compile, or load from the cache
+    assert set(run.status) == {"ok"}
+    seconds = best(lambda: rollout(world, LAWS[law], REFERENCE, (ticks - 1) * PERIOD, batch=batch), repeats)
+    return 1e6 * seconds / ticks / batch
+
+
+def mujoco_loop(repeats: int) -> float:
+    """A Python loop round `mj_step`, the torque written at every tick: µs per tick."""
+    import mujoco
+
+    model = Twin(ARM)._model
+    model.opt.timestep, model.opt.integrator = PERIOD, mujoco.mjtIntegrator.mjINT_EULER
+    data = mujoco.MjData(model)
+    start, torque = REFERENCE.evaluate(np.zeros(1)).q[0], ARM.gravity(REFERENCE.evaluate(np.zeros(1)).q[0])
+
+    def run() -> None:
+        mujoco.mj_resetData(model, data)
+        data.qpos[:] = start
+        for _ in range(2000):
+            data.qfrc_applied[:] = torque
+            mujoco.mj_step(model, data)
+
+    return 1e6 * best(run, repeats) / 2000
+
+
+def mujoco_rollout(batch: int, repeats: int) -> float:
+    """MuJoCo's own rollout in C, open loop, on one thread: µs per trial and tick."""
+    import mujoco
+    import mujoco.rollout
+
+    model = Twin(ARM)._model
+    model.opt.timestep, model.opt.integrator = PERIOD, mujoco.mjtIntegrator.mjINT_EULER
+    data = mujoco.MjData(model)
+    data.qpos[:] = REFERENCE.evaluate(np.zeros(1)).q[0]
+    state = np.empty(mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
+    mujoco.mj_getState(model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+    ticks = max(20, 8000 // batch)
+    torque = np.tile(ARM.gravity(np.array(data.qpos)), (batch, ticks, 1))
+    applied = int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
+
+    def run() -> None:
+        mujoco.rollout.rollout(model, data, np.tile(state, (batch, 1)), torque, control_spec=applied)
+
+    return 1e6 * best(run, repeats) / ticks / batch
+
+
+def chain(joints: int, folder: Path) -> Arm:
+    """A chain of equal links that turn about x, y, z and so on."""
+    axes = ("1 0 0", "0 1 0", "0 0 1")
+    text = '<link name="link0"/>'
+    for k in range(joints):
+        text += (
+            f'<link name="link{k + 1}"><inertial><origin xyz="0 0 0.1"/><mass value="1"/>'
+            '<inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial></link>'
+            f'<joint name="joint{k}" type="continuous"><origin xyz="0 0 0.2"/><parent link="link{k}"/>'
+            f'<child link="link{k + 1}"/><axis xyz="{axes[k % 3]}"/></joint>'
+        )
+    path = folder / f"chain{joints}.urdf"
+    path.write_text(f'<robot name="chain">{text}</robot>')
+    return load_arm(path)
+
+
+def scaling(repeats: int) -> None:
+    """Print how the cost grows, µs per trial and tick unless said otherwise."""
+    print("\nbatch:   ", *(f"{b}: {ours('friction', 'baek2016', b, repeats):.2f}" for b in (1, 4, 16, 64, 256, 1024)))
+    world = Plant(ARM, substeps=1, friction=FRICTION)
+    cost = {}
+    for ticks in (250, 1000, 4000, 16000):
+        span = (ticks - 1) * PERIOD
+        cost[ticks] = 1e6 * best(lambda span=span: rollout(world, LAWS["baek2016"], REFERENCE, span), repeats) / ticks
+    print("horizon in ticks, batch 1:", *(f"{ticks}: {x:.2f}" for ticks, x in cost.items()))
+    with tempfile.TemporaryDirectory() as folder:
+        line = []
+        for joints in (2, 4, 7, 12, 20, 30):
+            arm = chain(joints, Path(folder))
+            law = Ppc(mbar=0.01, ks=5.0, beta=5.0, period=PERIOD)
+            still = Multisine(offset=np.zeros(joints), amplitude=np.full(joints, 1e-3), frequency=np.ones(joints))
+            plant = Plant(arm, substeps=1, friction=Friction(0.1, 0.1))
+            seconds = best(lambda p=plant, r=still, law=law: rollout(p, law, r, 0.4, batch=16), repeats)
+            line.append(f"{joints}: {1e6 * seconds / 401 / 16:.2f}")
+    print("joints, batch 16:", *line)
+    clocked = {}
+    for threads in (1, 2):
+        world = Plant(ARM, substeps=1, friction=FRICTION, threads=threads)
+        clocked[threads] = best(
+            lambda w=world: rollout(w, LAWS["baek2016"], REFERENCE, 0.2, batch=1024), repeats, perf_counter
+        )
+    print(f"two threads over one, batch 1024, by the clock: {clocked[1] / clocked[2]:.2f} times as fast")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--batches", type=int, nargs="+", default=[1, 16, 256])
-    parser.add_argument("--threads", type=int, default=1, help="for Pinocchio, in both")
     parser.add_argument("--repeats", type=int, default=7)
+    parser.add_argument("--scaling", action="store_true", help="cost against batch, joints, horizon and threads too")
     options = parser.parse_args()
+    repeats = options.repeats
 
-    plants = {name: Plant(ARM, substeps=SUBSTEPS, threads=options.threads, **parts) for name, parts in PLANTS.items()}
-    for plant in plants.values():
-        rollout(plant, LAW, REFERENCE, 0.05, batch=2)  # compile, or load from the cache
-    print(f"UR5, {SUBSTEPS} substeps of {PERIOD / SUBSTEPS * 1e3:g} ms, {options.threads} thread(s);", end=" ")
+    print(f"UR5, 1 step of {PERIOD * 1e3:g} ms per period; processor time, best of {repeats};", end=" ")
     print(f"pin {pin.__version__}, numpy {np.__version__}, Python {platform.python_version()}, {platform.machine()}")
-    print("Baseline: the same number of bare pin.abaInParallel calls, in the same run. Best of", options.repeats)
-    header = ("plant", "batch", "rollout, µs/step", "baseline, µs/step", "ratio", "µs/step/trial")
-    print("{:>9} {:>6} {:>17} {:>18} {:>6} {:>14}".format(*header))
-    for name, plant in plants.items():
-        for batch in options.batches:
-            step, base = measure(plant, batch, options.threads, options.repeats)
-            print(f"{name:>9} {batch:>6} {step:>17.1f} {base:>18.1f} {step / base:>6.2f} {step / batch:>14.2f}")
+    print(
+        "{:>14} {:>10} {:>6} {:>14} {:>13} {:>6}".format(
+            "plant", "law", "batch", "µs/trial/tick", "bare aba, µs", "ratio"
+        )
+    )
+    rows = [(plant, "baek2016", batch) for batch in (1, 16, 256, 1024) for plant in ("frictionless", "friction")]
+    rows += [("friction", "numpy law", batch) for batch in (1, 16, 256)]
+    rows += [("full", "baek2016", batch) for batch in (1, 16, 256)]
+    for plant, law, batch in rows:
+        base = bare(batch, repeats)
+        cost = ours(plant, law, batch, repeats)
+        base = min(base, bare(batch, repeats))
+        print(f"{plant:>14} {law:>10} {batch:>6} {cost:>14.2f} {base:>13.2f} {cost / base:>6.2f}", flush=True)
+    try:
+        loop, rolled = mujoco_loop(repeats), mujoco_rollout(256, repeats)
+        print(
+            f"Python loop round mj_step: {loop:.2f} µs per tick, {loop / bare(1, repeats):.2f} of bare aba at batch 1"
+        )
+        print(f"mujoco.rollout, open loop, 256: {rolled:.2f} µs, {rolled / bare(256, repeats):.2f} of bare aba there")
+    except MissingDependencyError as error:
+        print(f"MuJoCo left out: {error}")
+    if options.scaling:
+        scaling(repeats)
 
 
 if __name__ == "__main__":

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 def precompile() -> None:
     """Run each compiled path on a small case."""
+    import numpy as np
+
     import asmc_pin
     from asmc_pin.condition.certificate import certify
-    from asmc_pin.controllers import Ppc
+    from asmc_pin.controllers import CONTROLLERS, Ppc, Sample, Setpoint
     from asmc_pin.plant import Friction, Plant
     from asmc_pin.references import Ramps
 
@@ -19,7 +21,12 @@ def precompile() -> None:
     certify(arm, 0.01, gap=0.5, levels=False)
     law = Ppc(mbar=0.01, ks=1.0, beta=1.0, period=0.001)
     reference = Ramps(points=[[0.0, 0.0], [0.1, 0.1]], times=[0.0, 0.01])
-    asmc_pin.rollout(Plant(arm, friction=Friction(1.0, 0.1)), law, reference, 0.01)
+    for engine in ("compiled", "pinocchio"):
+        asmc_pin.rollout(Plant(arm, friction=Friction(1.0, 0.1), engine=engine), law, reference, 0.01)
+    law.step(law.init(sample := Sample(*np.zeros((3, 1, 2)))), sample, Setpoint(*np.zeros((3, 1, 2))))
+    for each in CONTROLLERS.values():
+        if each.trial_step is not None:
+            each.trial_step.address  # noqa: B018 - asked for, it is compiled
 
 
 if __name__ == "__main__":

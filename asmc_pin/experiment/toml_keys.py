@@ -188,6 +188,9 @@ class PlantTable(TomlTable):
     start: Literal["holding", "relaxed"] = Field(
         default="holding", description="torque before t = 0: balances gravity at q(0), or is zero"
     )
+    engine: Literal["compiled", "pinocchio"] = Field(
+        default="compiled", description="what computes the dynamics: compiled code held against Pinocchio, or Pinocchio"
+    )
     integrator: Literal["semi_implicit", "midpoint", "rk4"] = Field(
         default="semi_implicit", description="scheme between the control ticks"
     )

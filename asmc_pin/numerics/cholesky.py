@@ -9,6 +9,7 @@ import numba
 import numpy as np
 
 from asmc_pin._typing import Array, IntArray
+from asmc_pin.numerics.short_loops import short_loops
 
 SHIFT = 1e-13
 """Share of the diagonal taken off before a Cholesky decides. Rump (2006): success in float64 proves
@@ -153,3 +154,32 @@ def gram(x: Array, out: Array) -> None:
                 total += x[k, i] * x[k, j]
             out[i, j] = total
             out[j, i] = total
+
+
+@short_loops
+def solve_shifted(matrix: Array, rows: Array, shift: int, rhs: int, x: int, factor: Array) -> None:
+    """Solve (matrix + diag(rows[shift])) rows[x] = rows[rhs] by Cholesky; NaN where that is not positive definite.
+
+    Three rows of one array, so that a caller need not make views of them. On and below its diagonal `factor` then holds
+    the factor, with the reciprocals of its pivots on the diagonal.
+    """
+    n = matrix.shape[0]
+    for i in range(n):
+        for j in range(i):
+            total = matrix[i, j]
+            for k in range(j):
+                total -= factor[i, k] * factor[j, k]
+            factor[i, j] = total * factor[j, j]
+        total = matrix[i, i] + rows[shift, i]
+        for k in range(i):
+            total -= factor[i, k] * factor[i, k]
+        factor[i, i] = 1.0 / np.sqrt(total)
+        total = rows[rhs, i]
+        for k in range(i):
+            total -= factor[i, k] * rows[x, k]
+        rows[x, i] = total * factor[i, i]
+    for i in range(n - 1, -1, -1):
+        total = rows[x, i]
+        for k in range(i + 1, n):
+            total -= factor[k, i] * rows[x, k]
+        rows[x, i] = total * factor[i, i]

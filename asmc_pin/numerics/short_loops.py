@@ -31,13 +31,28 @@ class _ShortLoops(_compiler):  # type: ignore[misc]
             _settings.LOOP_VECTORIZE = before
 
 
-OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "pipeline_class": _ShortLoops}
+ALLOCATING: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "pipeline_class": _ShortLoops}
 """Options of `numba.njit`; a division by 0 gives inf or NaN, as numpy's does."""
+OPTIONS: dict[str, Any] = {**ALLOCATING, "_nrt": False}
+"""The same for a function that makes no arrays: it does not count references to those that it is handed either, which
+numba does with atomic instructions, some nanoseconds each."""
 
 
 def short_loops(function: Function) -> Function:
-    """Decorator: compile a function whose loops go over joints, links or axes."""
+    """Decorator: compile a function whose loops go over joints, links or axes, and which makes no arrays."""
     compiled: Function = numba.njit(**OPTIONS)(function)
+    return compiled
+
+
+def inlined(function: Function) -> Function:
+    """Decorator: as `short_loops`, for a piece of one other function, into which it is compiled."""
+    compiled: Function = numba.njit(forceinline=True, **OPTIONS)(function)
+    return compiled
+
+
+def with_room(function: Function) -> Function:
+    """Decorator: the same for a function that makes arrays to work in, and then calls functions that make none."""
+    compiled: Function = numba.njit(**ALLOCATING)(function)
     return compiled
 
 

@@ -44,10 +44,12 @@ class FreeDynamics:
         arms: One arm for all trials, or one per trial.
         batch: Number of trials.
         threads: Threads for Pinocchio.
+        own_mass: Whether M comes from the compiled recursion, and not from Pinocchio.
     """
 
-    def __init__(self, arms: Sequence[Arm], batch: int, threads: int) -> None:
+    def __init__(self, arms: Sequence[Arm], batch: int, threads: int, own_mass: bool = True) -> None:
         self.nv = int(arms[0].nv)
+        self._own_mass = own_mass
         members: dict[int, list[int]] = {}
         for trial in range(batch):
             members.setdefault(id(arms[trial % len(arms)]), []).append(trial)
@@ -89,11 +91,13 @@ class FreeDynamics:
 
     def mass_matrix(self, q: Array) -> Array:
         """M(q) of every trial, armature included. Shape (batch, nv, nv), kg·m²."""
-        if len(self._groups) == 1:
+        if self._own_mass and len(self._groups) == 1:
             return _mass_matrices(self._groups[0].links, self._groups[0].armature, q)
         out = np.empty((*q.shape, q.shape[1]))
         for group in self._groups:
-            out[group.rows] = _mass_matrices(group.links, group.armature, q[group.rows])
+            part = q[group.rows]
+            own = self._own_mass
+            out[group.rows] = _mass_matrices(group.links, group.armature, part) if own else group.arm.mass_matrix(part)
         return out
 
     def gravity(self, q: Array) -> Array:

@@ -44,8 +44,8 @@ class JointFriction:
         self.none = not (self._kinked.any() or self.viscous.any())
         self._yields = friction.yields
         if self._yields:
-            self._stiffness = np.where(self._kinked, spread("presliding"), 0.0)
-            if np.any(self._kinked & (self._stiffness == 0.0)):
+            self.stiffness = np.where(self._kinked, spread("presliding"), 0.0)
+            if np.any(self._kinked & (self.stiffness == 0.0)):
                 raise ParameterError(
                     "friction.presliding",
                     "is 0 in a joint with Coulomb friction, but not in all; give every such joint a stiffness, or none",
@@ -101,7 +101,7 @@ class JointFriction:
             ahead,
             back,
             self.viscous,
-            self._stiffness,
+            self.stiffness,
             self._damping,
             self._bend,
             step,

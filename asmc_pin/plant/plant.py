@@ -33,6 +33,9 @@ class Plant(PlantParameters):
         payload_changes: What is picked up or put down, in order of time.
         spread: Scatter of the parameters from trial to trial.
         seed: Seed of all that is random.
+        engine: What computes a rollout: ``"compiled"``, this package's own recursion, which every arm is held against
+            Pinocchio for; ``"pinocchio"``, Pinocchio itself, several times slower. docs/plant.md says what else is run
+            by Pinocchio.
         first_trial: Number of the study's trial that is trial 0 here, so that one of many can be run again alone.
     """
 

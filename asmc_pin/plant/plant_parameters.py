@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
 from asmc_pin.errors import ParameterError
+from asmc_pin.plant.compiled_run.held_dynamics import held_bodies, no_recursion
 from asmc_pin.plant.drive.drive_parameters import Drive
 from asmc_pin.plant.friction.friction_parameters import Friction
 from asmc_pin.plant.integrators import INTEGRATORS
@@ -43,6 +44,7 @@ class PlantParameters:
     payload_changes: tuple[PayloadChange, ...]
     spread: Spread | None
     seed: int
+    engine: Literal["compiled", "pinocchio"]
     first_trial: int
 
     def __init__(
@@ -64,6 +66,7 @@ class PlantParameters:
         payload_changes: Sequence[PayloadChange] = (),
         spread: Spread | None = None,
         seed: int = 0,
+        engine: Literal["compiled", "pinocchio"] = "compiled",
         first_trial: int = 0,
     ) -> None:
         """Check and freeze the parameters.
@@ -86,10 +89,12 @@ class PlantParameters:
             payload_changes: Any number; they replace each other in order of time.
             spread: None for trials that are all alike.
             seed: Whole number, 0 or more.
+            engine: ``"compiled"`` or ``"pinocchio"``.
             first_trial: Whole number, 0 or more.
 
         Raises:
-            ParameterError: a parameter has a wrong size, sign or value.
+            ParameterError: a parameter has a wrong size, sign or value; or the compiled dynamics of an arm are not
+                Pinocchio's.
         """
         arms = (arm,) if isinstance(arm, Arm) else tuple(arm)
         _check_arms(arms)
@@ -97,6 +102,8 @@ class PlantParameters:
             raise ParameterError("substeps", f"{substeps!r} given; expected a whole number of at least 1")
         if start not in ("holding", "relaxed"):
             raise ParameterError("start", f"{start!r} given; expected 'holding' or 'relaxed'")
+        if engine not in ("compiled", "pinocchio"):
+            raise ParameterError("engine", f"{engine!r} given; expected 'compiled' or 'pinocchio'")
         if integrator not in INTEGRATORS:
             raise ParameterError("integrator", f"{integrator!r} given; known are {', '.join(sorted(INTEGRATORS))}")
         for name, bound in (("speed_bound", speed_bound), ("error_bound", error_bound)):
@@ -127,6 +134,7 @@ class PlantParameters:
             "disturbances": tuple(disturbances),
             "payload_changes": tuple(sorted(payload_changes, key=lambda change: change.time)),
             "spread": spread,
+            "engine": engine,
             "seed": _whole("seed", seed),
             "first_trial": _whole("first_trial", first_trial),
         }
@@ -135,6 +143,10 @@ class PlantParameters:
         self._check_options()
         if drive is not None and not drive.elastic and np.any(drive.reflected_inertia > 0.0):
             object.__setattr__(self, "arms", _shared(arms, lambda arm: _with_rotors(arm, drive)))
+        if engine == "compiled":
+            for each in dict.fromkeys(self.arms):
+                if no_recursion(each) is None:
+                    held_bodies(each)
 
     def _check_options(self) -> None:
         """Find what is for another number of joints; whether it suits the batch is seen when there is one."""

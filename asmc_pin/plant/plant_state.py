@@ -36,6 +36,11 @@ class Motion:
         torque: Torque of the drives at the joints, after their limits, (batch, nv), N·m: its mean over the last period
             once `advance` has gone over it. With rigid gears that is what the joints feel.
         external: Mean torque of the disturbances over the last period, (batch, nv), N·m; None without any.
+        plant: What moves.
+        period: L, s.
+        changes: Ticks at which something is picked up or put down.
+        limit: Torque limits of the drives, (batch, nv), N·m.
+        friction, stops, loads, actuator, sensing: What acts in between; None where it is absent or ideal.
         active: Trials that are still integrated, shape (batch,). A stopped trial is parked at zero: Pinocchio still
             runs over the whole batch and the law is still asked, so what they read has to be finite.
     """
@@ -45,22 +50,24 @@ class Motion:
         trials = plant.numbered(trials)
         self.active: BoolArray = np.ones(batch, dtype=np.bool_)
         self._all_active = True
-        self._plant, self._period, self._nv = plant, period, nv
+        self.plant, self.period, self._nv = plant, period, nv
         self._step = period / plant.substeps
         self._integrate = INTEGRATORS[plant.integrator]
         self._ticks = 0
-        self._changes = [round(change.time / period) for change in plant.payload_changes]
-        free = FreeDynamics(plant.arms_at(0.0, period), batch, plant.threads)
-        self._limit = plant.torque_limits(batch)
-        self._loads = (
+        self.changes = [round(change.time / period) for change in plant.payload_changes]
+        free = self._free_dynamics(0.0, batch)
+        self.limit = plant.torque_limits(batch)
+        self.loads = (
             Loads(plant.disturbances, plant.arm, period, batch, plant.seed, trials) if plant.disturbances else None
         )
-        self.external = None if self._loads is None else np.zeros((batch, nv))
-        friction = JointFriction(plant.friction, batch, nv, self.active)
-        stops = None if plant.end_stops is None else StopForces(plant.end_stops, plant.arm.lower, plant.arm.upper)
-        self._links = JointMechanics(free, friction, stops, self._loads)
+        self.external = None if self.loads is None else np.zeros((batch, nv))
+        self.friction = friction = JointFriction(plant.friction, batch, nv, self.active)
+        self.stops = stops = (
+            None if plant.end_stops is None else StopForces(plant.end_stops, plant.arm.lower, plant.arm.upper)
+        )
+        self._links = JointMechanics(free, friction, stops, self.loads)
         if plant.start == "holding":
-            self.torque = np.clip(free.gravity(q), -self._limit, self._limit)
+            self.torque = np.clip(free.gravity(q), -self.limit, self.limit)
         else:
             self.torque = np.zeros((batch, nv))
         self._mechanics: JointMechanics | ElasticMechanics = self._links
@@ -73,13 +80,13 @@ class Motion:
             self._x = np.hstack([q, self._mechanics.deflected(q, self.torque)])
             self._w = np.hstack([v, v])
         self._check_springs(q)
-        self._actuator = (
-            Actuator(drive, self._limit, self.torque, period, plant.substeps, self.active)
+        self.actuator = (
+            Actuator(drive, self.limit, self.torque, period, plant.substeps, self.active)
             if drive is not None and drive.shapes_torque
             else None
         )
         self._motor_side = plant.sensor is not None and plant.sensor.side == "motor"
-        self._sensing = (
+        self.sensing = (
             None
             if plant.sensor is None
             else Sensing(
@@ -106,29 +113,29 @@ class Motion:
     @property
     def ideal_sensor(self) -> bool:
         """Whether the law is told the truth."""
-        return self._sensing is None
+        return self.sensing is None
 
     def stop_diverged(self, q_ref: Array) -> bool:
         """Stop the trials that are too fast or too far from q_ref, (nv,), for the plant's bounds; True if any is."""
-        plant = self._plant
+        plant = self.plant
         return self._note(stop_diverged(self.q, self.v, q_ref, plant.speed_bound, plant.error_bound, self.active))
 
     def sample(self) -> Sample:
         """What the drives report now; read-only. Asked again in the same tick it is the same."""
         if self._sample is None:
-            if self._sensing is None:
+            if self.sensing is None:
                 self._sample = Sample(_view(self.q), _view(self.v), _view(self.torque))
             else:
-                read = self._sensing.read(*self._sensed(), self.torque)
+                read = self.sensing.read(*self._sensed(), self.torque)
                 self._sample = Sample(_view(read.q), _view(read.v), _view(read.torque))
         return self._sample
 
     def apply(self, command: Array) -> bool:
         """Hold the command, (batch, nv), within the drives' limits; True if a trial's is not finite, which stops it."""
         self.torque = np.empty_like(command)
-        stopped = self._note(limit_torque(command, self._limit, self.active, self.torque))
-        if self._actuator is not None:
-            self._actuator.command(self.torque)
+        stopped = self._note(limit_torque(command, self.limit, self.active, self.torque))
+        if self.actuator is not None:
+            self.actuator.command(self.torque)
         return stopped
 
     def advance(self) -> Array:
@@ -138,15 +145,14 @@ class Motion:
             Torque of friction on the joints, its mean over the period, (batch, nv), N·m: against the motion where a
             joint slides, against the load where it sticks.
         """
-        if self._ticks in self._changes:
-            arms = self._plant.arms_at(self._ticks * self._period, self._period)
-            self._links.free = FreeDynamics(arms, len(self._x), self._plant.threads)
-        if self._loads is not None:
-            self._loads.tick()
+        if self._ticks in self.changes:
+            self._links.free = self._free_dynamics(self._ticks * self.period, len(self._x))
+        if self.loads is not None:
+            self.loads.tick()
             self.external = np.zeros_like(self.torque)
         impulse = np.zeros_like(self._x)
         x, w = self._x, self._w
-        for index in range(self._plant.substeps):
+        for index in range(self.plant.substeps):
             x, w = self._integrate(self._mechanics, x, w, self._step_torque(index, x, w), self._step, impulse)
         if not self._all_active:
             x = np.where(self.active[:, None], x, self._x)
@@ -154,20 +160,25 @@ class Motion:
         self._x, self._w = x, w
         self._ticks += 1
         self._sample = None
-        if self._actuator is not None:
-            self.torque = self._actuator.mean()
+        if self.actuator is not None:
+            self.torque = self.actuator.mean()
         nv = self._nv
-        return (impulse if impulse.shape[1] == nv else impulse[:, :nv] + impulse[:, nv:]) / self._period
+        return (impulse if impulse.shape[1] == nv else impulse[:, :nv] + impulse[:, nv:]) / self.period
+
+    def _free_dynamics(self, time: float, batch: int) -> FreeDynamics:
+        plant = self.plant
+        arms = plant.arms_at(time, self.period)
+        return FreeDynamics(arms, batch, plant.threads, own_mass=plant.engine != "pinocchio")
 
     def _step_torque(self, index: int, x: Array, w: Array) -> Array:
         """Mean torque of the drives over an integration step; sets what else acts then."""
         nv = self._nv
-        torque = self.torque if self._actuator is None else self._actuator.torque(index, w[:, -nv:])
-        if self._loads is not None:
-            since = self._ticks * self._period + index * self._step
-            self._loads.hold(since, since + self._step)
+        torque = self.torque if self.actuator is None else self.actuator.torque(index, w[:, -nv:])
+        if self.loads is not None:
+            since = self._ticks * self.period + index * self._step
+            self.loads.hold(since, since + self._step)
             assert self.external is not None
-            self.external += self._loads.torque(np.ascontiguousarray(x[:, :nv])) / self._plant.substeps
+            self.external += self.loads.torque(np.ascontiguousarray(x[:, :nv])) / self.plant.substeps
         return torque if x.shape[1] == nv else np.hstack([np.zeros_like(torque), torque])
 
     def _sensed(self) -> tuple[Array, Array]:
@@ -179,7 +190,7 @@ class Motion:
             self._all_active = False
             self._x = np.where(self.active[:, None], self._x, 0.0)
             self._w = np.where(self.active[:, None], self._w, 0.0)
-            if self._sensing is None:
+            if self.sensing is None:
                 self._sample = None
         return bool(stopped)
 
@@ -195,7 +206,7 @@ class Motion:
             )
         for name, what, rate in found:
             if rate * self._step > SPRING_ANGLE:
-                least = int(np.ceil(rate * self._period / SPRING_ANGLE))
+                least = int(np.ceil(rate * self.period / SPRING_ANGLE))
                 raise ParameterError(
                     name,
                     f"the {what} swing at {rate:.4g} rad/s at q(0), too fast for steps of {self._step:.3g} s; take at "

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.numerics.short_loops import short_loops
 from asmc_pin.plant.plant import Plant
 from asmc_pin.words.media import for_html
 from asmc_pin.words.shown import Cells, Shown, figure, sparkline
@@ -92,12 +93,14 @@ class Rollout(Shown):
         """Fill in what ideal sensors and an arm that nothing disturbs leave out."""
         if self.held_torque is None:
             object.__setattr__(self, "held_torque", np.zeros_like(self.torque[:, 0]))
-        if self.q_measured is None:
+        if self.torque_measured is None:
             told = np.concatenate([self.held_torque[:, None], self.torque[:, :-1]], axis=1)
             told = np.where(np.isnan(self.torque), np.nan, told)
             told.setflags(write=False)
-            for name, value in (("q_measured", self.q), ("v_measured", self.v), ("torque_measured", told)):
-                object.__setattr__(self, name, value)
+            object.__setattr__(self, "torque_measured", told)
+        if self.q_measured is None:
+            object.__setattr__(self, "q_measured", self.q)
+            object.__setattr__(self, "v_measured", self.v)
         if self.external_torque is None:
             object.__setattr__(self, "external_torque", np.broadcast_to(0.0, self.torque.shape))
 
@@ -148,13 +151,29 @@ class Rollout(Shown):
         return f"<table><tbody><tr>{''.join(curves)}</tr></tbody></table>"
 
 
+@short_loops
+def _fill_ends(q: Array, ends: Array) -> None:
+    """The least and the largest value of every joint in every trial, (batch, 2, nv); NaN does not count."""
+    for trial in range(q.shape[0]):
+        for i in range(q.shape[2]):
+            ends[trial, 0, i], ends[trial, 1, i] = np.inf, -np.inf
+        for k in range(q.shape[1]):
+            for i in range(q.shape[2]):
+                if q[trial, k, i] < ends[trial, 0, i]:
+                    ends[trial, 0, i] = q[trial, k, i]
+                if q[trial, k, i] > ends[trial, 1, i]:
+                    ends[trial, 1, i] = q[trial, k, i]
+
+
 def outside_limits(plant: Plant, time: Array, q: Array) -> tuple[LimitViolation, ...]:
     """Every joint that left its limits, trial by trial; what comes after a divergence (NaN) does not count."""
     found = []
+    ends = np.empty((len(q), 2, q.shape[2]))
+    _fill_ends(q, ends)
     for joint, name in enumerate(plant.arm.joint_names):
-        highest = np.fmax.reduce(q[:, :, joint], axis=1)
-        lowest = np.fmin.reduce(q[:, :, joint], axis=1)
-        for trial in range(len(q)):
+        highest, lowest = ends[:, 1, joint], ends[:, 0, joint]
+        upper, lower = (np.array([getattr(arm, side)[joint] for arm in plant.arms]) for side in ("upper", "lower"))
+        for trial in np.flatnonzero((highest > upper) | (lowest < lower)).tolist():
             arm = plant.arms[trial % len(plant.arms)]
             above, below = highest[trial] - arm.upper[joint], arm.lower[joint] - lowest[trial]
             if max(above, below) > LIMIT_SLACK:

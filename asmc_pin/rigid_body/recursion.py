@@ -43,7 +43,8 @@ def add(a: Vector, b: Vector) -> Vector:
 
 
 @compiled
-def _turn(R: Matrix, x: Vector) -> Vector:
+def turn(R: Matrix, x: Vector) -> Vector:
+    """R x."""
     return (
         R[0] * x[0] + R[1] * x[1] + R[2] * x[2],
         R[3] * x[0] + R[4] * x[1] + R[5] * x[2],
@@ -52,8 +53,9 @@ def _turn(R: Matrix, x: Vector) -> Vector:
 
 
 @compiled
-def _product(A: Matrix, B: Matrix) -> Matrix:
-    x, y, z = _turn(A, (B[0], B[3], B[6])), _turn(A, (B[1], B[4], B[7])), _turn(A, (B[2], B[5], B[8]))
+def product(A: Matrix, B: Matrix) -> Matrix:
+    """A B."""
+    x, y, z = turn(A, (B[0], B[3], B[6])), turn(A, (B[1], B[4], B[7])), turn(A, (B[2], B[5], B[8]))
     return x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]
 
 
@@ -77,19 +79,19 @@ def _about(axis: Vector, angle: float) -> Matrix:
 
 
 @compiled
-def _turned(R: Matrix, body: Symmetric) -> Symmetric:
+def turned(R: Matrix, body: Symmetric) -> Symmetric:
     """R I Rᵀ."""
     xx, xy, xz, yy, yz, zz = body
-    T = _product(R, (xx, xy, xz, xy, yy, yz, xz, yz, zz))
+    T = product(R, (xx, xy, xz, xy, yy, yz, xz, yz, zz))
     row0, row1, row2 = (R[0], R[1], R[2]), (R[3], R[4], R[5]), (R[6], R[7], R[8])
     x, y, z = (T[0], T[1], T[2]), (T[3], T[4], T[5]), (T[6], T[7], T[8])
     return dot(x, row0), dot(x, row1), dot(x, row2), dot(y, row1), dot(y, row2), dot(z, row2)
 
 
 @compiled
-def _applied(body: Symmetric, x: Vector) -> Vector:
+def applied(body: Symmetric, x: Vector) -> Vector:
     """I x."""
-    return _turn((body[0], body[1], body[2], body[1], body[3], body[4], body[2], body[4], body[5]), x)
+    return turn((body[0], body[1], body[2], body[1], body[3], body[4], body[2], body[4], body[5]), x)
 
 
 class Links(NamedTuple):
@@ -149,23 +151,23 @@ def _lay_out(links: Links, i: int, q: float, placed: Placed) -> None:
     if j >= 0:
         P = (R[j, 0], R[j, 1], R[j, 2], R[j, 3], R[j, 4], R[j, 5], R[j, 6], R[j, 7], R[j, 8])
     A, axis, translation, com = links.rotation, links.axis, links.translation, links.com
-    turn = _product(
+    R_i = product(
         P, (A[i, 0, 0], A[i, 0, 1], A[i, 0, 2], A[i, 1, 0], A[i, 1, 1], A[i, 1, 2], A[i, 2, 0], A[i, 2, 1], A[i, 2, 2])
     )
     own = (axis[i, 0], axis[i, 1], axis[i, 2])
-    s = _turn(turn, own)
-    step = _turn(P, (translation[i, 0], translation[i, 1], translation[i, 2]))
+    s = turn(R_i, own)
+    step = turn(P, (translation[i, 0], translation[i, 1], translation[i, 2]))
     if links.prismatic[i]:
         step = add(step, (q * s[0], q * s[1], q * s[2]))
     else:
-        turn = _product(turn, _about(own, q))
-    R[i, 0], R[i, 1], R[i, 2], R[i, 3], R[i, 4], R[i, 5], R[i, 6], R[i, 7], R[i, 8] = turn
+        R_i = product(R_i, _about(own, q))
+    R[i, 0], R[i, 1], R[i, 2], R[i, 3], R[i, 4], R[i, 5], R[i, 6], R[i, 7], R[i, 8] = R_i
     d[i, 0], d[i, 1], d[i, 2] = step
     a[i, 0], a[i, 1], a[i, 2] = s
     placed.m[i] = links.mass[i]
-    c[i, 0], c[i, 1], c[i, 2] = _turn(turn, (com[i, 0], com[i, 1], com[i, 2]))
+    c[i, 0], c[i, 1], c[i, 2] = turn(R_i, (com[i, 0], com[i, 1], com[i, 2]))
     I = links.inertia  # noqa: E741 - the letter of every textbook
-    body = _turned(turn, (I[i, 0, 0], I[i, 0, 1], I[i, 0, 2], I[i, 1, 1], I[i, 1, 2], I[i, 2, 2]))
+    body = turned(R_i, (I[i, 0, 0], I[i, 0, 1], I[i, 0, 2], I[i, 1, 1], I[i, 1, 2], I[i, 2, 2]))
     B[i, 0], B[i, 1], B[i, 2], B[i, 3], B[i, 4], B[i, 5] = body
 
 
@@ -204,7 +206,7 @@ def momentum(placed: Placed, i: int, w: Vector, u: Vector) -> tuple[Vector, Vect
     centre = (c[i, 0], c[i, 1], c[i, 2])
     v = add(u, cross(w, centre))
     linear = (placed.m[i] * v[0], placed.m[i] * v[1], placed.m[i] * v[2])
-    angular = _applied((B[i, 0], B[i, 1], B[i, 2], B[i, 3], B[i, 4], B[i, 5]), w)
+    angular = applied((B[i, 0], B[i, 1], B[i, 2], B[i, 3], B[i, 4], B[i, 5]), w)
     return add(cross(centre, linear), angular), linear
 
 

@@ -7,13 +7,16 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.controllers import PerJoint, Sample, Scalar, ScalarOrWord, Setpoint, TdeLaw, parameters_of
+from asmc_pin.controllers.one_trial.compiled_law import CompiledLaw
+from asmc_pin.controllers.one_trial.trial_step import TrialStep
 from asmc_pin.errors import ParameterError
 
 
-class Stacked:
+class Stacked(CompiledLaw):
     """A law whose parameters have a row for each trial.
 
     The laws of `asmc_pin.controllers` compute element by element, so a (batch, nv) parameter serves where a (nv,) one
@@ -60,6 +63,15 @@ class Stacked:
         rows = [slice(i, i + 1) for i in range(len(self.laws))]
         parts = [Sample(sample.q[row], sample.v[row], sample.torque[row]) for row in rows]
         return _joined([law.init(part) for law, part in zip(self.laws, parts, strict=True)])
+
+    @property
+    def trial_step(self) -> TrialStep | None:  # type: ignore[override]
+        """That of the law; None if it has its step in numpy."""
+        return self._stacked.trial_step
+
+    def rows(self) -> tuple[ArrayLike, ...]:
+        """The law's, with a row for each trial."""
+        return self._stacked.rows()
 
     def step(self, state: Any, sample: Sample, setpoint: Setpoint) -> tuple[Array, Any]:
         """Torque to hold over the next period, (batch, nv), N·m, and the next state."""

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from asmc_pin.arms import load_arm
 from asmc_pin.errors import ParameterError
 from asmc_pin.plant import Friction
-from asmc_pin.plant.friction.compiled_friction import _go, _load, slide_or_stick
+from asmc_pin.plant.friction.compiled_friction import _go, carried_load, slide_or_stick
 
 STEP = 5e-4
 
@@ -126,7 +126,7 @@ def test_on_the_way_to_a_faces_minimum_the_first_joint_that_would_turn_round_sto
 
 def test_what_balances_a_sticking_joint_is_known_with_the_magnitudes_of_its_terms():
     matrix, drag = np.array([[2.0, -1.0], [-1.0, 3.0]]), np.array([0.5, 0.25])
-    load, magnitude = _load(0, matrix, drag, np.array([0.1, 0.4]))
+    load, magnitude = carried_load(0, matrix, drag, np.array([0.1, 0.4]))
     assert load == pytest.approx(-0.5 - 0.2 + 0.4)
     assert magnitude == pytest.approx(0.5 + 0.2 + 0.4)
 

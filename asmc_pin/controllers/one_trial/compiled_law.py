@@ -84,5 +84,5 @@ def run_step(step: TrialStep, ticks: int, law: Array, memory: Array, sample: Sam
             "sample", f"has {seen.shape[1]} trials, but the law's parameters are for {len(law)}; give as many"
         )
     command = np.empty(seen.shape[1:])
-    over_trials(step.compiled, ticks, law, seen, memory, command)
+    over_trials(step.address, ticks, law, seen, memory, command)
     return command

@@ -20,10 +20,13 @@ from typing import Any, NamedTuple
 
 import numba
 import numpy as np
+from llvmlite import ir
 from numba import types
+from numba.core import errors
+from numba.extending import intrinsic
 
 from asmc_pin._typing import Array
-from asmc_pin.numerics.short_loops import OPTIONS, short_loops
+from asmc_pin.numerics.short_loops import ALLOCATING, OPTIONS, with_room
 
 WORK_ROWS = 8
 
@@ -53,9 +56,30 @@ class Tick(NamedTuple):
 Function = Callable[[Tick, Array, Array, Array, Array], None]
 
 _types: Any = types  # numba has no types
+_errors: Any = errors
+_ir: Any = ir
+_intrinsic: Any = intrinsic
 _ROW, _ROWS = types.Array(types.float64, 1, "C"), types.Array(types.float64, 2, "C")
 SIGNATURE = types.void(_types.NamedTuple([types.int64, *6 * [_ROW]], Tick), _ROWS, _ROWS, _ROWS, _ROW)
 """That of every step, for numba."""
+
+
+def _run_at(
+    typing: Any, address: Any, tick: Any, law: Any, memory: Any, work: Any, command: Any
+) -> tuple[Any, Callable[..., Any]]:
+    """Types and code of `run_at`, for numba."""
+
+    def call(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        kinds = [context.get_value_type(kind) for kind in signature.args[1:]]
+        function = _ir.FunctionType(context.get_value_type(types.none), kinds)
+        builder.call(builder.inttoptr(values[0], function.as_pointer()), values[1:])
+        return context.get_dummy_value()
+
+    return types.void(address, *SIGNATURE.args), call
+
+
+run_at: Any = _intrinsic(_run_at)
+"""Of compiled code: ``run_at(address, tick, law, memory, work, command)`` runs a step, see `TrialStep.address`."""
 
 
 class TrialStep:
@@ -69,9 +93,18 @@ class TrialStep:
         self.function = function
 
     @cached_property
-    def compiled(self) -> Any:
-        """The same compiled, or found in numba's cache, which lies beside the law's file."""
-        return numba.njit(SIGNATURE, **OPTIONS)(self.function)
+    def address(self) -> int:
+        """Where it is in this process, compiled, or found in numba's cache, which lies beside the law's file.
+
+        An address has the same type for every law, so that what calls it is compiled once.
+        """
+        try:
+            self._compiled: Any = numba.njit(SIGNATURE, **OPTIONS)(self.function)
+        except _errors.NumbaError:  # it makes arrays; or it is wrong, and then that is said now
+            self._compiled = numba.njit(SIGNATURE, **ALLOCATING)(self.function)
+        (found,) = self._compiled.overloads.values()
+        address: int = found.library.get_pointer_to_function(found.fndesc.llvm_cfunc_wrapper_name)
+        return address
 
 
 def trial_step(function: Function) -> TrialStep:
@@ -79,12 +112,12 @@ def trial_step(function: Function) -> TrialStep:
     return TrialStep(function)
 
 
-@short_loops
-def over_trials(step: Any, ticks: int, law: Array, seen: Array, memory: Array, command: Array) -> None:
+@with_room
+def over_trials(step: int, ticks: int, law: Array, seen: Array, memory: Array, command: Array) -> None:
     """Run a step for every trial of a batch.
 
     Args:
-        step: A compiled `TrialStep`.
+        step: Address of a `TrialStep`.
         ticks: Number of ticks taken before.
         law: Parameters, (1 or batch, rows, nv).
         seen: The fields of a `Tick` but the first, (6, batch, nv).
@@ -97,4 +130,4 @@ def over_trials(step: Any, ticks: int, law: Array, seen: Array, memory: Array, c
         tick = Tick(
             ticks, seen[0, trial], seen[1, trial], seen[2, trial], seen[3, trial], seen[4, trial], seen[5, trial]
         )
-        step(tick, law[trial if len(law) > 1 else 0], memory[trial], work, command[trial])
+        run_at(step, tick, law[trial if len(law) > 1 else 0], memory[trial], work, command[trial])

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from numba import njit
-
 from asmc_pin._typing import Array, BoolArray
+from asmc_pin.numerics.short_loops import short_loops
 
 
-@njit(cache=True, nogil=True, inline="always")
+@short_loops
 def _available(speed: float, limit: float, corner: float, no_load: float) -> float:
     """Torque that is there to push at a speed in its own direction, N·m."""
     if speed <= corner:
@@ -17,7 +16,37 @@ def _available(speed: float, limit: float, corner: float, no_load: float) -> flo
     return limit * (no_load - speed) / (no_load - corner)
 
 
-@njit(cache=True, nogil=True)
+@short_loops
+def joint_torque(
+    recent: float,
+    older: float,
+    older_share: float,
+    current: float,
+    remaining: float,
+    mean_remaining: float,
+    limit: float,
+    velocity: float,
+    corner: float,
+    no_load: float,
+    speed_limit: float,
+    foldback: float,
+) -> tuple[float, float]:
+    """Mean torque of one joint's drive over a step, and what its current loop carries after it; see `drive_torque`."""
+    asked = recent
+    if older_share > 0.0:
+        asked = (1.0 - older_share) * asked + older_share * older
+    gap = current - asked
+    given = asked + mean_remaining * gap
+    speed = velocity if given >= 0.0 else -velocity
+    if speed > corner:
+        bound = _available(speed, limit, corner, no_load)
+        given = min(max(given, -bound), bound)
+    if speed > (1.0 - foldback) * speed_limit:
+        given *= max(0.0, (speed_limit - speed) / (foldback * speed_limit))
+    return given, asked + remaining * gap
+
+
+@short_loops
 def drive_torque(
     recent: Array,
     older: Array,
@@ -59,17 +88,19 @@ def drive_torque(
             if not active[trial]:
                 torque[trial, i] = 0.0
                 continue
-            asked = recent[trial, i]
-            if older_share > 0.0:
-                asked = (1.0 - older_share) * asked + older_share * older[trial, i]
-            gap = current[trial, i] - asked
-            given = asked + mean_remaining[i] * gap
-            current[trial, i] = asked + remaining[i] * gap
-            speed = velocity[trial, i] if given >= 0.0 else -velocity[trial, i]
-            if speed > corner[i]:
-                bound = _available(speed, limit[trial, i], corner[i], no_load[i])
-                given = min(max(given, -bound), bound)
-            if speed > (1.0 - foldback) * speed_limit[i]:
-                given *= max(0.0, (speed_limit[i] - speed) / (foldback * speed_limit[i]))
+            given, current[trial, i] = joint_torque(
+                recent[trial, i],
+                older[trial, i],
+                older_share,
+                current[trial, i],
+                remaining[i],
+                mean_remaining[i],
+                limit[trial, i],
+                velocity[trial, i],
+                corner[i],
+                no_load[i],
+                speed_limit[i],
+                foldback,
+            )
             torque[trial, i] = given
             total[trial, i] += given

@@ -33,13 +33,13 @@ class Actuator:
         fraction = drive.delay - whole
         # Oldest first. The last but one is acting while the newest is not there yet: it counts with a fraction only.
         self._commands = deque([held] * (whole + 2), maxlen=whole + 2)
-        self._older_share = [min(max(fraction * substeps - i, 0.0), 1.0) for i in range(substeps)]
+        self.older_share = [min(max(fraction * substeps - i, 0.0), 1.0) for i in range(substeps)]
         steps = row(drive.current_hz, nv, np.inf) * (2.0 * np.pi * period / substeps)  # h/T of each current loop
-        self._remaining = np.exp(-steps)
-        self._mean_remaining = -np.expm1(-steps) / steps
+        self.remaining = np.exp(-steps)
+        self.mean_remaining = -np.expm1(-steps) / steps
         self._current = held.copy()
         self._limit, self._active = limit, active
-        self._bounds = drive.speed_bounds(nv)
+        self.bounds = drive.speed_bounds(nv)
         self._total = np.zeros_like(held)
         self._substeps = substeps
 
@@ -54,13 +54,13 @@ class Actuator:
         drive_torque(
             self._commands[1],
             self._commands[0],
-            self._older_share[index],
+            self.older_share[index],
             self._current,
-            self._remaining,
-            self._mean_remaining,
+            self.remaining,
+            self.mean_remaining,
             self._limit,
             velocity,
-            *self._bounds,
+            *self.bounds,
             FOLDBACK,
             self._active,
             torque,

@@ -37,7 +37,13 @@ FACES_PER_JOINT = 20
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _load(i: int, matrix: Array, drag: Array, correction: Array) -> tuple[float, float]:
+def _sticks(forward: Array, backward: Array, sign: IntArray, i: int) -> bool:
+    """Whether joint i sticks; one without Coulomb friction has the sign 0 too, but no kink to stick in."""
+    return bool(sign[i] == 0 and (forward[i] > 0.0 or backward[i] > 0.0))
+
+
+@njit(cache=True, nogil=True, inline="always")
+def carried_load(i: int, matrix: Array, drag: Array, correction: Array) -> tuple[float, float]:
     """Friction impulse h·fᵢ that balances sticking joint i, and the sum of the magnitudes of its terms."""
     load = -drag[i]
     magnitude = abs(load)
@@ -55,7 +61,6 @@ def _set_up_face(
     forward: Array,
     backward: Array,
     free: Array,
-    kink: BoolArray,
     sign: IntArray,
     face: IntArray,
     rhs: Array,
@@ -68,7 +73,7 @@ def _set_up_face(
     """
     count = 0
     for i in range(free.size):
-        if kink[i] and sign[i] == 0:
+        if _sticks(forward, backward, sign, i):
             correction[i] = -free[i]
         else:
             face[count] = i
@@ -79,7 +84,7 @@ def _set_up_face(
         if sign[i] != 0:
             total -= forward[i] if sign[i] > 0 else -backward[i]
         for j in range(free.size):
-            if kink[j] and sign[j] == 0:
+            if _sticks(forward, backward, sign, j):
                 total += matrix[i, j] * free[j]
         rhs[i] = total
     return count
@@ -120,7 +125,6 @@ def _let_go(
     forward: Array,
     backward: Array,
     free: Array,
-    kink: BoolArray,
     correction: Array,
     sign: IntArray,
 ) -> bool:
@@ -129,8 +133,8 @@ def _let_go(
     release = -1
     toward = 0
     for i in range(free.size):
-        if kink[i] and sign[i] == 0:
-            load, magnitude = _load(i, matrix, drag, correction)
+        if _sticks(forward, backward, sign, i):
+            load, magnitude = carried_load(i, matrix, drag, correction)
             excess = load - forward[i] if load > 0.0 else -load - backward[i]
             if excess > worst and excess > RELEASE_TOLERANCE * magnitude:
                 worst = excess
@@ -142,7 +146,7 @@ def _let_go(
 
 
 @njit(cache=True, nogil=True)
-def _walk(
+def walk(
     matrix: Array,
     drag: Array,
     forward: Array,
@@ -151,27 +155,27 @@ def _walk(
     present: Array,
     sign: IntArray,
     correction: Array,
+    face: IntArray,
+    rhs: Array,
+    factor: Array,
 ) -> bool:
     """Walk to the optimal face from that of `present`; leave the solution in `sign` and `correction`.
+
+    `face`, `rhs` and `factor`, (nv,), (nv,) and (nv, nv), are to work in.
 
     `drag` is the impulse of viscous friction at v_free, `forward` and `backward` are h·c of motion forwards and
     backwards. A joint without Coulomb friction has sign 0 too, but no kink to stick in.
     """
     nv = free.size
-    kink = np.empty(nv, np.bool_)
-    face = np.empty(nv, np.int64)
-    rhs = np.empty(nv)
-    factor = np.empty((nv, nv))
     for i in range(nv):
-        kink[i] = forward[i] > 0.0 or backward[i] > 0.0
-        sign[i] = int(np.sign(present[i])) if kink[i] else 0
+        sign[i] = int(np.sign(present[i])) if forward[i] > 0.0 or backward[i] > 0.0 else 0
     for _ in range(FACES_PER_JOINT * nv + 1):
-        count = _set_up_face(matrix, drag, forward, backward, free, kink, sign, face, rhs, correction)
+        count = _set_up_face(matrix, drag, forward, backward, free, sign, face, rhs, correction)
         solve_face(matrix, rhs, face, count, factor, correction)
         blocker = _go(face, count, free, correction, sign, present)
         if blocker == -2:
             return False
-        if blocker == -1 and not _let_go(matrix, drag, forward, backward, free, kink, correction, sign):
+        if blocker == -1 and not _let_go(matrix, drag, forward, backward, free, correction, sign):
             return True
     return False
 
@@ -218,7 +222,7 @@ def slide_or_stick(
     free = np.empty(nv)
     present = np.empty(nv)
     correction = np.empty(nv)
-    sign = np.empty(nv, np.int64)
+    sign, face, rhs, factor = np.empty(nv, np.int64), np.empty(nv, np.int64), np.empty(nv), np.empty((nv, nv))
     for trial in range(batch):
         if not active[trial]:
             continue
@@ -232,7 +236,7 @@ def slide_or_stick(
             for j in range(nv):
                 matrix[i, j] = mass[trial, i, j]
             matrix[i, i] += implicit * damping[i]
-        solved = _walk(matrix, drag, ahead, back, free, present, sign, correction)
+        solved = walk(matrix, drag, ahead, back, free, present, sign, correction, face, rhs, factor)
         for i in range(nv):
             speed = free[i] + correction[i]
             before = (1.0 - implicit) * velocity[trial, i]
@@ -240,7 +244,7 @@ def slide_or_stick(
                 next_velocity[trial, i] = np.nan
             elif sign[i] == 0 and (ahead[i] > 0.0 or back[i] > 0.0):
                 next_velocity[trial, i] = 0.0
-                impulse[trial, i] -= _load(i, matrix, drag, correction)[0] + damping[i] * before
+                impulse[trial, i] -= carried_load(i, matrix, drag, correction)[0] + damping[i] * before
             else:
                 next_velocity[trial, i] = speed
                 impulse[trial, i] -= damping[i] * (implicit * speed + before) + (
@@ -249,8 +253,15 @@ def slide_or_stick(
 
 
 @njit(cache=True, nogil=True)
+def stribeck_level(velocity: float, coulomb: float, breakaway: float, scale: float) -> float:
+    """Friction's level at a velocity: coulomb + (breakaway − coulomb)·exp(−(v/scale)²); at rest exactly breakaway."""
+    x = velocity / scale
+    return coulomb + (breakaway - coulomb) * float(np.exp(-x * x))
+
+
+@njit(cache=True, nogil=True)
 def stribeck_levels(velocity: Array, coulomb: Array, breakaway: Array, scale: Array, level: Array) -> None:
-    """Friction's level at a velocity: coulomb + (breakaway − coulomb)·exp(−(v/scale)²); at rest exactly breakaway.
+    """`stribeck_level` for a batch.
 
     Args:
         velocity: Shape (batch, nv), rad/s.
@@ -261,5 +272,6 @@ def stribeck_levels(velocity: Array, coulomb: Array, breakaway: Array, scale: Ar
     """
     for trial in range(velocity.shape[0]):
         for i in range(velocity.shape[1]):
-            x = velocity[trial, i] / scale[trial, i]
-            level[trial, i] = coulomb[trial, i] + (breakaway[trial, i] - coulomb[trial, i]) * np.exp(-x * x)
+            level[trial, i] = stribeck_level(
+                velocity[trial, i], coulomb[trial, i], breakaway[trial, i], scale[trial, i]
+            )

@@ -31,19 +31,31 @@ def _piece(speed: float, low: float, high: float) -> int:
 
 
 @njit(cache=True, nogil=True)
-def _walk_pieces(
-    matrix: Array, rhs: Array, bend: Array, slope: Array, forward: Array, backward: Array, speed: Array, piece: IntArray
+def walk_pieces(
+    matrix: Array,
+    rhs: Array,
+    bend: Array,
+    slope: Array,
+    forward: Array,
+    backward: Array,
+    speed: Array,
+    piece: IntArray,
+    face: IntArray,
+    target: Array,
+    right: Array,
+    low: Array,
+    high: Array,
+    local: Array,
+    factor: Array,
 ) -> bool:
     """Solve matrix·v + clip(bend + slope·v, −backward, forward) = rhs; start from and leave the solution in `speed`.
 
-    A slope of 0 stands for a joint without friction.
+    A slope of 0 stands for a joint without friction. What comes after `piece` is to work in: arrays of shape (n,), and
+    two of shape (n, n).
     """
     n = speed.size
-    local = np.empty((n, n))
-    target, factor, right = np.empty(n), np.empty((n, n)), np.empty(n)
-    face = np.arange(n)
-    low, high = np.full(n, -np.inf), np.full(n, np.inf)
     for i in range(n):
+        face[i], low[i], high[i] = i, -np.inf, np.inf
         if slope[i] > 0.0:
             low[i], high[i] = (-backward[i] - bend[i]) / slope[i], (forward[i] - bend[i]) / slope[i]
         piece[i] = _piece(speed[i], low[i], high[i])
@@ -70,7 +82,8 @@ def _walk_pieces(
                 if leaving < 0 or reach < fraction:
                     leaving, fraction = i, reach
         if leaving < 0:
-            speed[:] = target
+            for i in range(n):
+                speed[i] = target[i]
             return True
         upwards = target[leaving] > speed[leaving]
         for i in range(n):
@@ -118,7 +131,9 @@ def slide_or_bend(
     matrix = np.empty((nv, nv))
     rhs, offset, slope = np.empty(nv), np.empty(nv), np.empty(nv)
     ahead, back, speed = np.empty(nv), np.empty(nv), np.empty(nv)
-    piece = np.empty(nv, np.int64)
+    piece, face = np.empty(nv, np.int64), np.empty(nv, np.int64)
+    target, right, low, high = np.empty(nv), np.empty(nv), np.empty(nv), np.empty(nv)
+    local, factor = np.empty((nv, nv)), np.empty((nv, nv))
     for trial in range(batch):
         if not active[trial]:
             continue
@@ -132,7 +147,9 @@ def slide_or_bend(
             offset[i] = step * stiffness[trial, i] * bend[trial, i]
             slope[i] = step * (step * stiffness[trial, i] + damping[trial, i]) if stiffness[trial, i] > 0.0 else 0.0
             ahead[i], back[i] = step * forward[trial, i], step * backward[trial, i]
-        solved = _walk_pieces(matrix, rhs, offset, slope, ahead, back, speed, piece)
+        solved = walk_pieces(
+            matrix, rhs, offset, slope, ahead, back, speed, piece, face, target, right, low, high, local, factor
+        )
         for i in range(nv):
             next_velocity[trial, i] = speed[i] if solved else np.nan
             if slope[i] > 0.0:

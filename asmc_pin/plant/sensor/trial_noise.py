@@ -42,10 +42,20 @@ class NormalNoise:
         self._used = BLOCK
 
     def next(self) -> Array:
-        """The numbers of the next tick, shape (batch, width); not to be written to."""
-        if self._used == BLOCK:
-            for source, rows in zip(self._generators, self._block, strict=True):
-                source.standard_normal(out=rows)
-            self._used = 0
-        self._used += 1
-        return self._block[:, self._used - 1]
+        """The numbers of the next tick, shape (batch, width)."""
+        return self.ahead(1)[:, 0]
+
+    def ahead(self, ticks: int) -> Array:
+        """The numbers of the next ticks, shape (batch, ticks, width)."""
+        batch, _, width = self._block.shape
+        numbers = np.empty((batch, ticks, width))
+        done = 0
+        while done < ticks:
+            if self._used == BLOCK:
+                for source, rows in zip(self._generators, self._block, strict=True):
+                    source.standard_normal(out=rows)
+                self._used = 0
+            part = min(ticks - done, BLOCK - self._used)
+            numbers[:, done : done + part] = self._block[:, self._used : self._used + part]
+            done, self._used = done + part, self._used + part
+        return numbers

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asmc_pin._typing import Array
+from asmc_pin._typing import Array, Number
+from asmc_pin.numerics.short_loops import as_written, short_loops
 from asmc_pin.parameters import PerJoint
 from asmc_pin.plant.per_trial import row, sized
 
@@ -30,6 +31,15 @@ class EndStops:
         sized("end_stops", self, nv)
 
 
+@short_loops
+def stop_torque(q: Number, v: Number, lower: Number, upper: Number, stiffness: Number, damping: Number) -> Number:
+    """Torque of a stop on its joint; see `EndStops`."""
+    above, below = np.maximum(q - upper, 0.0), np.maximum(lower - q, 0.0)
+    rate = damping * v
+    pushed: Number = stiffness * (below * np.maximum(1.0 - rate, 0.0) - above * np.maximum(1.0 + rate, 0.0))
+    return pushed
+
+
 class StopForces:
     """End stops of a batch.
 
@@ -41,19 +51,16 @@ class StopForces:
 
     def __init__(self, stops: EndStops, lower: Array, upper: Array) -> None:
         nv = lower.size
-        self._lower, self._upper = lower, upper
+        self.lower, self.upper = lower, upper
         # A joint without limits has no stop, so its stiffness must not ask for short steps either.
         limited = np.isfinite(lower) | np.isfinite(upper)
-        self.stiffness, self._damping = row(stops.stiffness, nv, 0.0) * limited, row(stops.damping, nv, 0.0)
+        self.stiffness, self.damping = row(stops.stiffness, nv, 0.0) * limited, row(stops.damping, nv, 0.0)
 
     def torque(self, q: Array, v: Array) -> Array:
         """Torque of the stops on the joints, (batch, nv), N·m."""
-        above, below = np.maximum(q - self._upper, 0.0), np.maximum(self._lower - q, 0.0)
-        rate = self._damping * v
-        pushed = below * np.maximum(1.0 - rate, 0.0) - above * np.maximum(1.0 + rate, 0.0)
-        return np.asarray(self.stiffness * pushed)
+        return np.asarray(as_written(stop_torque)(q, v, self.lower, self.upper, self.stiffness, self.damping))
 
     def energy(self, q: Array) -> Array:
         """Energy stored in the stops, (...), J."""
-        past = np.maximum(q - self._upper, 0.0) + np.maximum(self._lower - q, 0.0)
+        past = np.maximum(q - self.upper, 0.0) + np.maximum(self.lower - q, 0.0)
         return np.asarray(0.5 * np.sum(self.stiffness * past**2, axis=-1))

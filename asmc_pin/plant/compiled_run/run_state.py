@@ -1,0 +1,228 @@
+"""A run in compiled code while it goes on: the numbers of a plant's trials, made from a `Motion` that has not moved."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+
+from asmc_pin._typing import Array, BoolArray, IntArray
+from asmc_pin.controllers.protocol import Sample, Setpoint
+from asmc_pin.plant.compiled_run.held_dynamics import held_bodies
+from asmc_pin.plant.compiled_run.run_rows import (
+    BACKWARD,
+    BREAK_BACKWARD,
+    BREAK_FORWARD,
+    BRISTLE,
+    BRISTLE_DAMPING,
+    CORNER,
+    COUNT,
+    FORWARD,
+    LIMIT,
+    MEAN_REMAINING,
+    NO_LOAD,
+    PLANT_ROWS,
+    REMAINING,
+    SCALE,
+    SCHEMES,
+    SPEED_LIMIT,
+    STATE_ROWS,
+    STOP_DAMPING,
+    STOP_LOWER,
+    STOP_STIFFNESS,
+    STOP_UPPER,
+    TORQUE,
+    VISCOUS,
+    Q,
+    Setup,
+    V,
+)
+from asmc_pin.plant.compiled_run.run_ticks import Histories, Inputs, Trials, run_commands, run_law
+from asmc_pin.plant.drive.drive_parameters import FOLDBACK
+from asmc_pin.plant.plant_state import Motion
+from asmc_pin.plant.sensor.compiled_sensor import HISTORY
+from asmc_pin.rigid_body.dynamics import Bodies
+
+# Trials a thread is worth starting for.
+TRIALS_PER_THREAD = 8
+
+_NO_ROWS: Array = np.zeros((0, 1))
+_NO_TRIALS: Array = np.zeros((0, 1, 1))
+
+_FRICTION = {
+    FORWARD: "coulomb",
+    VISCOUS: "viscous",
+    BACKWARD: "coulomb_backward",
+    BREAK_FORWARD: "breakaway",
+    BREAK_BACKWARD: "breakaway_backward",
+    SCALE: "stribeck_velocity",
+    BRISTLE_DAMPING: "presliding_damping",
+}
+
+
+class CompiledRun:
+    """The trials of a run.
+
+    Args:
+        motion: The trials as they begin.
+        wanted: The reference, fields of shape (T, nv).
+        histories: What is written, by the names of `Histories`; the others are not.
+    """
+
+    def __init__(self, motion: Motion, wanted: Setpoint, histories: dict[str, Array]) -> None:
+        self._motion, self._wanted = motion, wanted
+        batch, nv = motion.q.shape
+        self._ticks = len(wanted.q)
+        self._histories = Histories(*(histories.get(name, _NO_TRIALS) for name in Histories._fields))
+        self._setup = _setup_of(motion)
+        sensing, actuator = motion.sensing, motion.actuator
+        state = np.zeros((batch, STATE_ROWS, nv))
+        state[:, Q], state[:, V], state[:, TORQUE] = motion.q, motion.v, motion.torque
+        on_their_way = 0 if motion.plant.drive is None else 2 + int(motion.plant.drive.delay)
+        self._trials = Trials(
+            _plant_rows(motion),
+            state,
+            np.repeat(motion.torque[:, None], 1 + on_their_way, axis=1),
+            np.zeros((batch, HISTORY, nv)) if sensing is None else sensing.memory,
+            np.zeros((batch, 3, nv)),
+            np.ones(batch, dtype=np.bool_),
+            np.full(batch, self._ticks),
+        )
+        self._shares = np.zeros(self._setup.substeps) if actuator is None else np.array(actuator.older_share)
+        self._groups: list[tuple[Bodies, IntArray]] = []
+        self._regroup(0)
+        none = np.zeros((batch, nv))
+        self._each(lambda *group: run_commands(-1, none, *group), self._inputs(-1, 1, ahead=True))
+
+    @property
+    def active(self) -> BoolArray:
+        """Trials that run, (batch,)."""
+        return self._trials.active
+
+    @property
+    def stopped_at(self) -> IntArray:
+        """Tick at which a trial stopped, (batch,); the number of ticks where it did not."""
+        return self._trials.stopped_at
+
+    def sample(self) -> Sample:
+        """What the drives report at this tick; read-only."""
+        seen = self._trials.seen.copy()
+        seen.setflags(write=False)
+        return Sample(seen[:, 0], seen[:, 1], seen[:, 2])
+
+    def follow_law(
+        self, step: int, law: Array, memory: Array, gain: int | None, ks: Array | None, begin: int, end: int
+    ) -> int:
+        """Run a compiled law over ticks, not beyond one where the arms change.
+
+        Args:
+            step: Address of the law's step.
+            law: Its parameters, (1 or batch, rows, nv).
+            memory: What it remembers, (batch, rows, nv); written.
+            gain: Row of that which is logged.
+            ks: K_s with which s is logged.
+            begin: First tick.
+            end: Tick before which to stop.
+
+        Returns:
+            The tick that comes next.
+        """
+        self._regroup(begin)
+        end = min([end, *(tick for tick in self._motion.changes if tick > begin)])
+        nv = law.shape[2]
+        row = -1 if gain is None else gain
+        ks = np.zeros(nv) if ks is None else np.array(np.broadcast_to(ks, (nv,)))
+        inputs = self._inputs(begin, end - begin, ahead=False)
+        self._each(lambda *group: run_law(step, begin, end, law, memory, row, ks, *group), inputs)
+        return end
+
+    def follow_command(self, k: int, command: Array) -> None:
+        """Hold a command, (batch, nv) N·m, over the period of tick k, and look at the next tick."""
+        self._regroup(k)
+        self._each(lambda *group: run_commands(k, command, *group), self._inputs(k, 1, ahead=True))
+
+    def _each(self, run: Callable[..., None], inputs: Inputs) -> None:
+        """Call `run` for every group of trials, on the plant's threads."""
+        jobs: list[tuple[Any, ...]] = []
+        for bodies, rows in self._groups:
+            count = max(1, min(self._motion.plant.threads, len(rows) // TRIALS_PER_THREAD))
+            parts = np.array_split(rows, count) if count > 1 else [rows]
+            jobs += [(self._setup, *bodies, inputs, self._trials, self._histories, part) for part in parts]
+        if len(jobs) == 1 or self._motion.plant.threads == 1:
+            for job in jobs:
+                run(*job)
+            return
+        with ThreadPoolExecutor(self._motion.plant.threads) as pool:
+            for done in [pool.submit(run, *job) for job in jobs]:
+                done.result()
+
+    def _inputs(self, k: int, ticks: int, ahead: bool) -> Inputs:
+        """What comes from outside in some ticks from k on; `ahead` if they end with a look at the tick after them."""
+        wanted, motion = self._wanted, self._motion
+        noise, loads, own = np.zeros((0, 1, 3, 1)), _NO_ROWS, _NO_TRIALS
+        if motion.sensing is not None and motion.sensing.noisy:
+            looked_at = k == 0 and not ahead  # as the run began
+            noise = motion.sensing.noise(ticks - looked_at)
+            if looked_at:
+                noise = np.concatenate([np.zeros_like(noise[:, :1]), noise], axis=1) if ticks > 1 else noise
+        if motion.loads is not None and k >= 0:
+            loads, own = motion.loads.over(k, ticks, self._setup.period, self._setup.substeps)
+        return Inputs(wanted.q, wanted.v, wanted.a, self._shares, loads, own, noise)
+
+    def _regroup(self, k: int) -> None:
+        """Trials with the same arm together, as the arms are at tick k."""
+        if self._groups and k not in self._motion.changes:
+            return
+        arms = self._motion.plant.arms_at(k * self._setup.period, self._setup.period)
+        members: dict[int, list[int]] = {}
+        for trial in range(len(self.active)):
+            members.setdefault(id(arms[trial % len(arms)]), []).append(trial)
+        self._groups = [
+            (held_bodies(arms[rows[0] % len(arms)]), np.array(rows, dtype=np.int64)) for rows in members.values()
+        ]
+
+
+def _setup_of(motion: Motion) -> Setup:
+    plant, sensing = motion.plant, motion.sensing
+    return Setup(
+        period=motion.period,
+        step=motion.period / plant.substeps,
+        substeps=plant.substeps,
+        scheme=SCHEMES[plant.integrator],
+        friction=not motion.friction.none,
+        constant=plant.friction.constant,
+        yields=plant.friction.yields,
+        stops=motion.stops is not None,
+        shaped=motion.actuator is not None,
+        foldback=FOLDBACK,
+        senses=sensing is not None,
+        exact_velocity=sensing is not None and sensing.exact_velocity,
+        keep=1.0 if sensing is None else sensing.keep,
+        delay_fraction=0.0 if sensing is None else sensing.fraction,
+        speed_bound=plant.speed_bound,
+        error_bound=plant.error_bound,
+    )
+
+
+def _plant_rows(motion: Motion) -> Array:
+    batch, nv = motion.q.shape
+    rows = np.zeros((batch, PLANT_ROWS, nv))
+    rows[:, LIMIT] = motion.limit
+    friction = motion.plant.friction
+    for row, name in _FRICTION.items():
+        rows[:, row] = friction.spread(name, batch, nv)
+    if friction.yields:
+        rows[:, BRISTLE] = motion.friction.stiffness
+    if motion.stops is not None:
+        stops = motion.stops
+        rows[:, STOP_LOWER], rows[:, STOP_UPPER] = stops.lower, stops.upper
+        rows[:, STOP_STIFFNESS], rows[:, STOP_DAMPING] = stops.stiffness, stops.damping
+    if motion.actuator is not None:
+        actuator = motion.actuator
+        rows[:, REMAINING], rows[:, MEAN_REMAINING] = actuator.remaining, actuator.mean_remaining
+        rows[:, CORNER], rows[:, NO_LOAD], rows[:, SPEED_LIMIT] = actuator.bounds
+    if motion.sensing is not None:
+        rows[:, COUNT] = motion.sensing.count
+    return rows

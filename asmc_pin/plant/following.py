@@ -1,0 +1,164 @@
+"""A law and a plant that is under way, from the first tick to the last: in compiled code, or by Pinocchio."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asmc_pin._typing import Array, IntArray
+from asmc_pin.controllers.one_trial.compiled_law import CompiledLaw
+from asmc_pin.controllers.one_trial.state_rows import as_rows, row_of
+from asmc_pin.controllers.protocol import Controller, Sample, Setpoint
+from asmc_pin.controllers.tde import sliding_variable
+from asmc_pin.errors import ParameterError
+from asmc_pin.plant.compiled_run.run_state import CompiledRun
+from asmc_pin.plant.plant_state import Motion
+from asmc_pin.plant.run_recorder import CHUNK, MEASURED, TRUTH, Recorder
+
+Progress = Callable[[int, int], None]
+
+# Ticks of all trials together that compiled code runs before it comes back, some tens of milliseconds: for the sake of
+# Ctrl-C and of whoever watches.
+TRIAL_TICKS = 16384
+
+
+def follow_compiled(
+    controller: Controller, motion: Motion, wanted: Setpoint, progress: Progress | None
+) -> tuple[dict[str, Array], IntArray]:
+    """Run a law in compiled code; a law in numpy is asked tick by tick.
+
+    Args:
+        controller: The law.
+        motion: The trials as they begin; they do not move themselves, see `CompiledRun`.
+        wanted: The reference, fields of shape (T, nv).
+        progress: Called now and then with the ticks done and their total.
+
+    Returns:
+        The histories by the names that a `Rollout` gives them, (batch, T, nv) each and read-only, and the tick at which
+        each trial stopped, (batch,), T where it did not.
+    """
+    ticks, nv = wanted.q.shape
+    batch = len(motion.q)
+    ks = _ks_of(controller, nv)
+    step = controller.trial_step if isinstance(controller, CompiledLaw) else None
+    names = _names(motion) + ([] if ks is None else ["s"])
+    histories = {name: np.empty((batch, ticks, nv)) for name in dict.fromkeys([*names, MEASURED[2]])}
+    gains = np.empty((batch, ticks, nv))
+    run = CompiledRun(motion, wanted, {**histories, "gain": gains})
+    state = controller.init(run.sample())
+    if hasattr(state, "gain"):
+        histories["gain"] = gains
+    if step is not None and isinstance(controller, CompiledLaw):
+        _, memory = as_rows(state, (batch, nv))
+        law, gain = controller.law_rows(nv), row_of(state, "gain")
+        chunk = max(1, TRIAL_TICKS // batch)
+        k = 0
+        while k < ticks and run.active.any():
+            k = run.follow_law(step.address, law, memory, gain, ks, k, min(k + chunk, ticks))
+            if progress is not None:
+                progress(k, ticks)
+    else:
+        k = _ask_tick_by_tick(controller, state, run, wanted, histories, progress)
+        if ks is not None:
+            seen = MEASURED[:2] if MEASURED[0] in names else TRUTH[:2]
+            q, v = (histories[name] for name in seen)
+            histories["s"][:] = sliding_variable(ks, Sample(q, v, v), wanted)
+    if progress is not None and k < ticks:
+        progress(ticks, ticks)
+    absent = np.broadcast_to(np.nan, (batch, ticks, nv))
+    for history in histories.values():
+        history.setflags(write=False)
+    return {"s": absent, "gain": absent, **histories}, run.stopped_at
+
+
+def _ask_tick_by_tick(
+    controller: Controller,
+    state: object,
+    run: CompiledRun,
+    wanted: Setpoint,
+    histories: dict[str, Array],
+    progress: Progress | None,
+) -> int:
+    """Ask a law that has its step in numpy at every tick; the tick that comes next."""
+    ticks, nv = wanted.q.shape
+    batch = len(run.active)
+    q_ref, v_ref, a_ref = (np.broadcast_to(x[:, None], (ticks, batch, nv)) for x in (wanted.q, wanted.v, wanted.a))
+    gains = histories.get("gain")
+    k = 0
+    while k < ticks and run.active.any():
+        command, state = controller.step(state, run.sample(), Setpoint(q_ref[k], v_ref[k], a_ref[k]))
+        run.follow_command(k, _torque_of(controller, command, batch, nv))
+        if gains is not None:
+            gains[:, k] = state.gain  # type: ignore[attr-defined]
+        k += 1
+        if progress is not None and (k % CHUNK == 0 or k == ticks):
+            progress(k, ticks)
+    if gains is not None:
+        for trial in np.flatnonzero(run.stopped_at < ticks):
+            gains[trial, run.stopped_at[trial] :] = np.nan
+    return k
+
+
+def follow_by_pinocchio(
+    controller: Controller, motion: Motion, wanted: Setpoint, progress: Progress | None
+) -> tuple[dict[str, Array], IntArray]:
+    """Run a law on dynamics by Pinocchio, all trials tick by tick; see `follow_compiled`."""
+    ticks, nv = wanted.q.shape
+    batch = len(motion.q)
+    q_ref, v_ref, a_ref = (np.broadcast_to(x[:, None], (ticks, batch, nv)) for x in (wanted.q, wanted.v, wanted.a))
+    stopped_at = np.full(batch, ticks)
+    state = controller.init(motion.sample())
+    names = _names(motion) + (["gain"] if hasattr(state, "gain") else [])
+    recorder = Recorder(wanted, batch, _ks_of(controller, nv), names)
+    k = 0
+    while k < ticks and motion.active.any():
+        stopped = motion.stop_diverged(wanted.q[k])
+        sample = motion.sample()
+        command, state = controller.step(state, sample, Setpoint(q_ref[k], v_ref[k], a_ref[k]))
+        stopped |= motion.apply(_torque_of(controller, command, batch, nv))
+        if stopped:
+            stopped_at[~motion.active & (stopped_at == ticks)] = k
+        q, v = motion.q, motion.v
+        friction = motion.advance()
+        values = [q, v, motion.torque, friction]
+        values += [] if motion.ideal_sensor else [sample.q, sample.v, sample.torque]
+        values += [] if motion.external is None else [motion.external]
+        values += [state.gain] if names[-1] == "gain" else []
+        recorder.write(k, values)
+        k += 1
+        if progress is not None and (k % CHUNK == 0 or k == ticks):
+            progress(k, ticks)
+    if progress is not None and k < ticks:
+        progress(ticks, ticks)
+    return recorder.finish(k, stopped_at), stopped_at
+
+
+def _names(motion: Motion) -> list[str]:
+    """What is written of every run, whatever its law."""
+    measured = [] if motion.ideal_sensor else [*MEASURED]
+    return [*TRUTH, *measured, *([] if motion.external is None else ["external_torque"])]
+
+
+def _ks_of(controller: Controller, nv: int) -> Array | None:
+    """K_s of a law that has one, or None: a law of the user's own may call anything ``ks``."""
+    try:
+        ks = np.asarray(getattr(controller, "ks", None), dtype=np.float64)
+    except (TypeError, ValueError):
+        return None
+    return ks if ks.shape in ((), (nv,)) and not np.isnan(ks).any() else None
+
+
+def _torque_of(controller: Controller, command: ArrayLike, batch: int, nv: int) -> Array:
+    try:
+        torque = np.ascontiguousarray(command, dtype=np.float64)
+    except (TypeError, ValueError):
+        torque = np.empty(0)
+    if np.shape(command) != (batch, nv):
+        raise ParameterError(
+            "controller",
+            f"{type(controller).__name__}.step returned a torque of shape {np.shape(command)}; "
+            f"expected (batch, nv) = {(batch, nv)}",
+        )
+    return torque
