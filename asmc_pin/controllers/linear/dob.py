@@ -65,7 +65,7 @@ class Dob(TdeLaw):
 
     title: ClassVar[str] = "disturbance observer (TDE with the whole estimate low-passed)"
     equation: ClassVar[str] = "τ = M̄ (q̈_d + K_s ė + β s − Γ̂);  Γ̂ = Γ̂(t−L) + c (q̈(t−L) − M̄⁻¹τ(t−L) − Γ̂(t−L))"
-    reference: ClassVar[str] = "Umeno, Hori (1991), IEEE Trans. Ind. Electron. 38(5), in the form of (6)"
+    reference: ClassVar[str] = "Umeno, Hori (1991), IEEE Trans. Ind. Electron., in the form of (6)"
     oracle: ClassVar[str] = "N_k = (1 − c a)N_{k−1} + (1 − a)(u_{k−1} − u_k) − Δh/m; the edge is c·a = 2"
     claim: ClassVar[str] = (
         "The condition on M̄ is that on cM̄, so that stiffness and bandwidth of the estimate are chosen apart."

@@ -78,7 +78,7 @@ class Ivf(TdeLaw):
 
     title: ClassVar[str] = "time-delay control with ideal velocity feedback"
     equation: ClassVar[str] = "τ = PPC + M̄ G z;  z = ∫ (q̈_d + K_s ė + β s) dt − q̇"
-    reference: ClassVar[str] = "Jin, Kang, Chang (2008), IEEE Trans. Ind. Electron. 55(1)"
+    reference: ClassVar[str] = "Jin, Kang, Chang (2008), IEEE Trans. Ind. Electron."
     oracle: ClassVar[str] = "z_{k+1} = (1 − LG) z_k − L N_k; a steadily drifting load leaves no error"
     claim: ClassVar[str] = "The TDE error reaches the motion through s/(s + G)."
     fails: ClassVar[str] = "G adds lag: large G with small a is unstable, which `asmc-pin stability --law ivf` tells."

@@ -55,9 +55,7 @@ class Barrier(TdeLaw):
 
     title: ClassVar[str] = "barrier-function adaptive sliding mode control"
     equation: ClassVar[str] = "τ = PPC + M̄ k̂ sgn(s);  k̂ = min(U, |s|/(ε − |s|)) if |s| < ε, else U"
-    reference: ClassVar[str] = (
-        "Obeid, Fridman, Laghrouche, Harmouche (2018), Automatica 93; sampled: Ovalle et al. (2025)"
-    )
+    reference: ClassVar[str] = "Obeid, Fridman, Laghrouche, Harmouche (2018), Automatica; sampled: Ovalle et al. (2025)"
     oracle: ClassVar[str] = "|s|/ε = n/(1 + n), n = |N| − β|s|, under a load that stands"
     claim: ClassVar[str] = "|s| < ε once it is reached, without a gain that is larger than needed."
     fails: ClassVar[str] = "Sampled it is false unless U, L and ε fit: a period moves s by up to g(U + |N|)."

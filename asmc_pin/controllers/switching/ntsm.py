@@ -67,9 +67,7 @@ class Ntsm(TdeLaw):
     equation: ClassVar[str] = (
         "τ = τ(t−L) − M̄ q̈(t−L) + M̄ (q̈_d + (B/p) ⌈ė⌋^{2−p} + β B σ + K sat(σ/Φ));  σ = e + ⌈ė⌋^p / B"
     )
-    reference: ClassVar[str] = (
-        "Feng, Yu, Man (2002), Automatica 38(12); with TDE: Jin, Lee, Chang, Choi (2009), IEEE TIE 56(9)"
-    )
+    reference: ClassVar[str] = "Feng, Yu, Man (2002), Automatica; with TDE: Jin, Lee, Chang, Choi (2009), IEEE TIE"
     oracle: ClassVar[str] = (
         "p = 1 is PPC with K_s = B; |e|^{1−1/p} falls linearly on σ = 0, e is 0 in time but for order L"
     )

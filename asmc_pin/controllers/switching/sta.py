@@ -87,7 +87,7 @@ class Sta(TdeLaw):
         "τ = PPC + M̄ (a k₁ √|s| sgn(s) + ϖ);  dϖ/dt = a k₂ sgn(s);  da/dt = rate·sgn(|s| − threshold)"
     )
     reference: ClassVar[str] = (
-        "Levant (1993), Int. J. Control 58(6); with TDE: Kali et al. (2018), Nonlinear Dyn. 93(2); adaptive: Shtessel, "
+        "Levant (1993), Int. J. Control 58(6); with TDE: Kali et al. (2018), Nonlinear Dyn.; adaptive: Shtessel, "
         "Taleb, Plestan (2012), Automatica 48, 759–769"
     )
     oracle: ClassVar[str] = "k₁ = k₂ = 0 is PPC; the mean of w is −N; |s| in the limit cycle is of order L²"
