@@ -20,6 +20,7 @@ from asmc_pin.arms.arm_options import (
     Load,
     Lock,
     Variant,
+    published_for,
     read_variant,
     resolve_armature,
     resolve_locks,
@@ -72,6 +73,7 @@ def load_arm(
             a point at that link's frame; or a `Payload`, or a mapping with its fields, with centre, inertia and link.
         armature: Reflected rotor inertia (rotor inertia times gear ratio squared), kg·m² (kg where prismatic), on the
             diagonal of M: one value, one per joint, or joint to value. Takes the place of what the arm's entry has.
+            ``"published"``: what is published of a named arm, see `published_armature`.
         lock: Joint to value, rad (m): the joint is rigid there. A pattern such as ``left_*`` stands for all joints that
             it matches, an exact name goes before it; ``grippers`` for all joints of grippers. Added to the entry's
             default locks; None or ``"free"`` frees one.
@@ -198,8 +200,13 @@ def assemble(recipe: Recipe) -> Arm:
             f"{lock_words({'left_*': 0.0})}",
         )
     check_bodies(robot, bodies, coupling)
+    name = entry.name if entry else printable(robot.name)
+    provisos, armature = robot.provisos, variant.armature
+    if isinstance(armature, str):
+        armature, proviso = published_for(entry, name, names)
+        provisos = (*provisos, proviso)
     every = (*names, *followed.mimics)
-    rotors = resolve_armature(names, _own_armature(recipe), variant.armature, tuple(followed.mimics))
+    rotors = resolve_armature(names, _own_armature(recipe), armature, tuple(followed.mimics))
     model.armature = rotors[[every.index(joint.name) for joint in joints]]
     own = robot.mjcf.gravity if robot.mjcf is not None else GRAVITY
     model.gravity.linear = np.array(own) if variant.gravity is None else variant.gravity
@@ -212,7 +219,7 @@ def assemble(recipe: Recipe) -> Arm:
     check_mass_matrix(robot, model, coupling)
     tree = tree_of(model, coupling)
     return Arm(
-        name=entry.name if entry else printable(robot.name),
+        name=name,
         joint_names=names,
         joint_kinds=tuple(joint.kind for joint in driven),
         continuous=_frozen([joint.continuous for joint in driven], np.bool_),
@@ -229,7 +236,7 @@ def assemble(recipe: Recipe) -> Arm:
         mimics=MappingProxyType(dict(followed.mimics)),
         payload=payload,
         warnings=(*_warnings(robot, driven, bodies, locked), *followed.notes, *vain),
-        provisos=robot.provisos,
+        provisos=provisos,
         source=robot.path,
         sha256=robot.sha256,
         urdf_text=robot.text,
@@ -254,7 +261,8 @@ def vary(arm: Arm, changes: Mapping[str, Any]) -> Arm:
     asked = read_variant(**changes)
     # A payload stays on its link even where the new locks make another link the last one.
     new = replace(replace(variant, payload=arm.payload), **{name: getattr(asked, name) for name in changes})
-    if "lock" in changes and "armature" not in changes and variant.armature is not None:
+    given = variant.armature is not None and not isinstance(variant.armature, str)
+    if "lock" in changes and "armature" not in changes and given:
         held = resolve_locks(robot, entry.locks if entry else {}, _asked_locks(robot, entry, new))
         asked_for = variant.armature
         kept = asked_for if isinstance(asked_for, dict) else dict(zip(arm.joint_names, arm.armature, strict=True))

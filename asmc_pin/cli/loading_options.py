@@ -55,8 +55,8 @@ class LoadingOptions:
         str | None,
         typer.Option(
             "--armature",
-            metavar="A1,LO:HI,…",
-            help="Reflected rotor inertia per joint, kg·m², values or ranges; or one for all.",
+            metavar="A1,LO:HI,…|published",
+            help="Reflected rotor inertia per joint, kg·m², values or ranges, or one for all; or what is published.",
         ),
     ] = None
     lock: Annotated[
@@ -155,10 +155,14 @@ def parse_payload(text: str | None, com: str | None = None, inertia: str | None 
     return payload
 
 
-def parse_armature(text: str | None) -> list[float | Range] | float | Range | None:
-    """``--armature`` as per-joint values or ranges, or one for all joints, kg·m²."""
+def parse_armature(text: str | None) -> list[float | Range] | float | Range | str | None:
+    """``--armature`` as per-joint values or ranges, or one for all joints, kg·m²; or the word ``published``."""
     if text is None:
         return None
+    if text.strip() == "published":
+        return "published"
+    if text.strip().isalpha():
+        raise ParameterError("--armature", f"'{text}' given, numbers in kg·m², ranges lo:hi, or 'published' expected")
     parts = [value_or_range(part, "--armature") for part in text.split(",")]
     return parts[0] if len(parts) == 1 else parts
 

@@ -120,8 +120,8 @@ def test_the_command_line_and_experiments_take_the_same(tmp_path: Path, capsys: 
         f'arm = {{ source = "{file}", xacro = {{ height = 0.2, name = "mine" }}, '
         'package = { my_arm = "p/my_arm" } }\n'
         'name = "e"\nperiod = 0.001\nduration = 0.01\n'
-        'reference = { kind = "quintic", start = [0, 0], targets = [[0, 0]],'
-        ' times = [0.01] }\n[controllers.a]\nlaw = "ppc"\nmbar = 0.1\nks = 1.0\nbeta = 1.0\n'
+        'reference = { kind = "quintic", start = [0, 0], targets = [[0, 0]], times = [0.01], move = 0.01 }\n'
+        '[controllers.a]\nlaw = "ppc"\nmbar = 0.1\nks = 1.0\nbeta = 1.0\n'
     )
     assert load_experiment(tmp_path / "e.toml").build_arm().name == "mine"
 
