@@ -39,10 +39,10 @@ from asmc_pin.arms.pinocchio_model import (
     whole_model,
 )
 from asmc_pin.arms.pinocchio_tree import tree_of
-from asmc_pin.arms.reading_options import Packages, Reading, XacroArguments, read_packages, read_xacro
 from asmc_pin.arms.registry import ArmEntry, find, package_shares
 from asmc_pin.arms.repairing import repaired
-from asmc_pin.arms.robot_files import RobotFiles
+from asmc_pin.arms.sources.reading_options import Packages, Reading, XacroArguments, read_packages, read_xacro
+from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.arms.urdf.magnitudes import MOVING_JOINTS
 from asmc_pin.arms.urdf.urdf_document import read_document
 from asmc_pin.arms.urdf.urdf_reading import Joint, Robot, read_robot

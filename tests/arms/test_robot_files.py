@@ -15,8 +15,8 @@ from arm_urdf import two_joints, write
 from paths import CASES
 
 from asmc_pin import load_arm, load_experiment
-from asmc_pin.arms import named_descriptions
-from asmc_pin.arms.robot_files import RobotFiles
+from asmc_pin.arms.sources import named_descriptions
+from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.cli import main
 from asmc_pin.condition.certificate import certify
 from asmc_pin.condition.checker import check

@@ -10,8 +10,8 @@ from xml.parsers import expat
 
 from lxml import etree
 
-from asmc_pin.arms.reading_options import Reading
-from asmc_pin.arms.robot_files import RobotFiles
+from asmc_pin.arms.sources.reading_options import Reading
+from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.arms.urdf.mjcf_conversion import MjcfModel, can_convert, converted
 from asmc_pin.arms.urdf.xacro_expansion import expand, name_meshes_by_package
 from asmc_pin.arms.urdf.xml_encoding import decode_xml, with_known_version, without_declared_encoding

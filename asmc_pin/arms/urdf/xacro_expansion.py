@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from asmc_pin.arms.registry import nearest
-from asmc_pin.arms.robot_files import RobotFiles, declared_package
+from asmc_pin.arms.sources.robot_files import RobotFiles, declared_package
 from asmc_pin.disk.reading import shown
 from asmc_pin.errors import ArmError, ParameterError
 from asmc_pin.words.provisos import Proviso

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from asmc_pin.arms.robot_files import RobotFiles
+from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.disk.reading import user_path
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.text import printable
