@@ -43,6 +43,7 @@ from asmc_pin.arms.registry import ArmEntry, find, package_shares
 from asmc_pin.arms.repairing import repaired
 from asmc_pin.arms.sources.reading_options import Packages, Reading, XacroArguments, read_packages, read_xacro
 from asmc_pin.arms.sources.robot_files import RobotFiles
+from asmc_pin.arms.urdf.estimated_inertia import EstimateInertia, read_estimate, with_estimated_inertia
 from asmc_pin.arms.urdf.magnitudes import MOVING_JOINTS
 from asmc_pin.arms.urdf.urdf_document import read_document
 from asmc_pin.arms.urdf.urdf_reading import Joint, Robot, read_robot
@@ -63,6 +64,7 @@ def load_arm(
     chain: ChainEnds | None = None,
     xacro: XacroArguments | None = None,
     package: Packages | None = None,
+    estimate_inertia: EstimateInertia | None = None,
 ) -> Arm:
     """Load an arm.
 
@@ -85,6 +87,8 @@ def load_arm(
             unless `lock` says otherwise.
         xacro: Values of a xacro file's arguments.
         package: ROS package to the folder where it lies, for a xacro file's ``$(find …)`` and for meshes.
+        estimate_inertia: A mass, kg, that links without inertia share by their volume; or link to mass, for these
+            links alone. Their shapes, meshes included, are then needed. `Arm.provisos` says what was estimated.
 
     Returns:
         The arm. `Arm.warnings` says what was taken otherwise than written.
@@ -105,7 +109,11 @@ def recipe_of(
     variant = read_variant(**options)
     files = RobotFiles(path.resolve().parent, read_packages(package), package_shares())
     arguments = {**(entry.xacro if entry else {}), **read_xacro(xacro)}
-    robot = read_robot(read_document(path, Reading(files, arguments)))
+    document = read_document(path, Reading(files, arguments))
+    masses = read_estimate(estimate_inertia)
+    if masses is not None:
+        document = with_estimated_inertia(document, masses, files)
+    robot = read_robot(document)
     check_against_mujoco(robot)
     return Recipe(robot, files, entry, variant)
 

@@ -91,6 +91,14 @@ class LoadingOptions:
         list[str] | None,
         typer.Option("--package", metavar="NAME=DIR", help="Where a ROS package lies that is named. Repeatable."),
     ] = None
+    estimate_inertia: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--estimate-inertia",
+            metavar="KG|LINK=KG",
+            help="Estimate missing inertias from shapes: a mass for all together, or one for each link. Repeatable.",
+        ),
+    ] = None
 
 
 NOTHING = LoadingOptions()
@@ -206,7 +214,18 @@ def load_keywords(loading: LoadingOptions) -> tuple[dict[str, Any], dict[str, An
     for name, items, form in (("xacro", loading.xacro, "NAME=VALUE"), ("package", loading.package, "NAME=DIR")):
         if items:
             single[name] = assignments(items, f"--{name}", form)
+    if loading.estimate_inertia:
+        single["estimate_inertia"] = parse_estimate(loading.estimate_inertia)
     return single, ranges
+
+
+def parse_estimate(items: list[str]) -> float | dict[str, float]:
+    """``--estimate-inertia`` as one mass, or link to mass, kg."""
+    option = "--estimate-inertia"
+    if len(items) == 1 and "=" not in items[0]:
+        return number(items[0], option)
+    masses = assignments(items, option, "LINK=KG; give one mass for all, or one for each link")
+    return {link: number(mass, option) for link, mass in masses.items()}
 
 
 def open_domain(source: str, loading: LoadingOptions) -> tuple[Arm, dict[str, Any]]:
@@ -239,6 +258,9 @@ def open_domain(source: str, loading: LoadingOptions) -> tuple[Arm, dict[str, An
         warnings += sorted(common - set(warnings))
     for warning in warnings:
         note(f"warning: {warning}")
+    for proviso in arm.provisos:
+        if proviso.headline:
+            note(f"warning: {proviso.kind}: {proviso.text}")
     tell_doubts(arm, source)
     return arm, ranges
 

@@ -183,6 +183,9 @@ class ArmTable(TomlTable):
     package: dict[str, str] | None = Field(
         default=None, description="ROS packages: name = folder where it lies (relative to this file)"
     )
+    estimate_inertia: float | dict[str, float] | None = Field(
+        default=None, description="kg: missing inertias from shapes, one mass for all together, or link = mass"
+    )
 
 
 def arm_table(value: Any) -> Any:
