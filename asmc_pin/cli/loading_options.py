@@ -211,9 +211,11 @@ def load_keywords(loading: LoadingOptions) -> tuple[dict[str, Any], dict[str, An
         single["repair"] = True
     if loading.gravity is not None:
         single["gravity"] = numbers(loading.gravity, "--gravity")
-    for name, items, form in (("xacro", loading.xacro, "NAME=VALUE"), ("package", loading.package, "NAME=DIR")):
-        if items:
-            single[name] = assignments(items, f"--{name}", form)
+    if loading.xacro:
+        # An empty value is one: many a xacro file takes "no gripper" that way.
+        single["xacro"] = assignments(loading.xacro, "--xacro", "NAME=VALUE", empty=True)
+    if loading.package:
+        single["package"] = assignments(loading.package, "--package", "NAME=DIR")
     if loading.estimate_inertia:
         single["estimate_inertia"] = parse_estimate(loading.estimate_inertia)
     return single, ranges

@@ -109,6 +109,9 @@ def test_a_certificate_of_a_xacro_file_carries_the_expanded_urdf(tmp_path: Path)
 
 def test_the_command_line_and_experiments_take_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = xacro_package(tmp_path / "p" / "my_arm")
+    with pytest.raises(SystemExit) as stop:
+        main(["verify", str(file), "--mbar", "0.1", "--xacro", "name=r", "--xacro", "height="])
+    assert (stop.value.code, capsys.readouterr().err.count("xyz")) == (2, 1)  # taken, and no number
     given = ["--xacro", "height=0.2", "--xacro", "name=mine", "--package", f"my_arm={file.parent.parent}"]
     with pytest.raises(SystemExit) as stop:
         main(["verify", str(file), "--mbar", "0.1", "--samples", "10", "--json", *given])
