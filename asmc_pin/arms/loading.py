@@ -41,6 +41,7 @@ from asmc_pin.arms.pinocchio_model import (
 from asmc_pin.arms.pinocchio_tree import tree_of
 from asmc_pin.arms.registry import ArmEntry, find, package_shares
 from asmc_pin.arms.repairing import repaired
+from asmc_pin.arms.sources.carried import Carried
 from asmc_pin.arms.sources.reading_options import Packages, Reading, XacroArguments, read_packages, read_xacro
 from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.arms.urdf.estimated_inertia import EstimateInertia, read_estimate, with_estimated_inertia
@@ -65,6 +66,7 @@ def load_arm(
     xacro: XacroArguments | None = None,
     package: Packages | None = None,
     estimate_inertia: EstimateInertia | None = None,
+    run_xacro: bool = True,
 ) -> Arm:
     """Load an arm.
 
@@ -89,6 +91,7 @@ def load_arm(
         package: ROS package to the folder where it lies, for a xacro file's ``$(find …)`` and for meshes.
         estimate_inertia: A mass, kg, that links without inertia share by their volume; or link to mass, for these
             links alone. Their shapes, meshes included, are then needed. `Arm.provisos` says what was estimated.
+        run_xacro: Whether a xacro file may be expanded; it is a program. Without it such a file is refused.
 
     Returns:
         The arm. `Arm.warnings` says what was taken otherwise than written.
@@ -98,24 +101,59 @@ def load_arm(
         ParameterError: An option at fault.
     """
     options = {"payload": payload, "armature": armature, "lock": lock, "gravity": gravity, "repair": repair}
-    return assemble(recipe_of(source, xacro, package, chain=chain, **options))
+    reading: dict[str, Any] = {"estimate_inertia": estimate_inertia, "run_xacro": run_xacro}
+    return assemble(recipe_of(source, xacro, package, **reading, chain=chain, **options))
 
 
 def recipe_of(
-    source: str | Path, xacro: XacroArguments | None = None, package: Packages | None = None, **options: Any
+    source: str | Path,
+    xacro: XacroArguments | None = None,
+    package: Packages | None = None,
+    estimate_inertia: EstimateInertia | None = None,
+    run_xacro: bool = True,
+    **options: Any,
 ) -> Recipe:
     """What `load_arm` makes an arm of, read and not judged; arguments as there."""
     path, entry = find(source)
     variant = read_variant(**options)
     files = RobotFiles(path.resolve().parent, read_packages(package), package_shares())
     arguments = {**(entry.xacro if entry else {}), **read_xacro(xacro)}
-    document = read_document(path, Reading(files, arguments))
+    document = read_document(path, Reading(files, arguments, run_xacro))
     masses = read_estimate(estimate_inertia)
     if masses is not None:
         document = with_estimated_inertia(document, masses, files)
     robot = read_robot(document)
     check_against_mujoco(robot)
     return Recipe(robot, files, entry, variant)
+
+
+def load_carried(
+    source: Path,
+    carried: Carried,
+    *,
+    package: Packages | None = None,
+    **options: Any,
+) -> Arm:
+    """The arm of a result that came from a xacro file, without running that file again.
+
+    Args:
+        source: The xacro file, which need not be there any more; its name and folder count.
+        carried: What the result has of it.
+        package: As for `load_arm`, for meshes; folders that are gone are left out.
+        options: Payload, armature, lock and gravity, as for `load_arm`.
+
+    Returns:
+        The arm as it was computed with.
+
+    Raises:
+        ArmError: The URDF that went along is at fault.
+        ParameterError: An option at fault.
+    """
+    there = {name: folder for name, folder in (package or {}).items() if Path(folder).is_dir()}
+    files = RobotFiles(source.resolve().parent, read_packages(there), package_shares())
+    document = read_document(carried.path, Reading(files, run_xacro=False))
+    document = replace(document, path=source, sha256=carried.sha256, provisos=carried.provisos, expanded=True)
+    return assemble(Recipe(read_robot(document), files, None, read_variant(**options)))
 
 
 @dataclass(frozen=True)
@@ -212,7 +250,7 @@ def assemble(recipe: Recipe) -> Arm:
     provisos, armature = robot.provisos, variant.armature
     if isinstance(armature, str):
         armature, proviso = published_for(entry, name, names)
-        provisos = (*provisos, proviso)
+        provisos = provisos if proviso.text in (known.text for known in provisos) else (*provisos, proviso)
     every = (*names, *followed.mimics)
     rotors = resolve_armature(names, _own_armature(recipe), armature, tuple(followed.mimics))
     model.armature = rotors[[every.index(joint.name) for joint in joints]]

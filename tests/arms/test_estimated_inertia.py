@@ -214,8 +214,8 @@ def test_a_comparison_carries_the_urdf_that_it_computed_with(tmp_path: Path) -> 
     compare(experiment, tmp_path / "out")
     told = load_result(tmp_path / "out").provenance
     assert told["arm"]["provisos"][0]["kind"] == "estimated inertia"
-    carried = (tmp_path / "out" / "arm.urdf").read_bytes()
-    assert told["arm"]["urdf_sha256"] == told["files"]["arm.urdf"] == hashlib.sha256(carried).hexdigest()
+    carried = (tmp_path / "out" / "computed_arm.urdf").read_bytes()
+    assert told["arm"]["urdf_sha256"] == told["files"]["computed_arm.urdf"] == hashlib.sha256(carried).hexdigest()
     (tmp_path / "again.urdf").write_bytes(carried)
     again = load_arm(tmp_path / "again.urdf")
     q = np.array([0.2, 0.7])

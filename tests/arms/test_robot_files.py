@@ -14,9 +14,10 @@ import pytest
 from arm_urdf import two_joints, write
 from paths import CASES
 
-from asmc_pin import load_arm, load_experiment
+from asmc_pin import compare, load_arm, load_experiment, load_result
 from asmc_pin.arms.sources import named_descriptions
 from asmc_pin.arms.sources.robot_files import RobotFiles
+from asmc_pin.arms.urdf import urdf_document
 from asmc_pin.cli import main
 from asmc_pin.condition.certificate import certify
 from asmc_pin.condition.checker import check
@@ -238,3 +239,32 @@ def test_without_that_package_the_message_names_it(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(named_descriptions, "find_spec", lambda name: None)
     with pytest.raises(ArmError, match="pip install robot_descriptions"):
         load_arm("ur5e_description")
+
+
+def test_looking_at_a_result_runs_no_xacro_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = xacro_package(tmp_path / "p")
+    (tmp_path / "e.toml").write_text(
+        f'name = "e"\nperiod = 0.002\nduration = 0.02\narm = {{ source = "{file}", xacro = {{ name = "r" }}, '
+        "armature = 0.1, payload = 0.5 }\n"
+        'reference = { kind = "quintic", start = [0.0, 0.5], targets = [[0.0, 0.5]], times = [0.02], move = 0.02 }\n'
+        '[controllers.a]\nlaw = "ppc"\nmbar = 0.1\nks = 1.0\nbeta = 1.0\n'
+    )
+    experiment = load_experiment(tmp_path / "e.toml")
+    compare(experiment, tmp_path / "out")
+    ran = experiment.build_arm()
+
+    def run(*_: object) -> None:
+        raise AssertionError("expanded")
+
+    monkeypatch.setattr(urdf_document, "expand", run)
+    file.unlink()
+    shown = load_result(tmp_path / "out").experiment.build_arm()
+    q = np.array([0.3, -0.4])
+    assert np.array_equal(shown.mass_matrix(q), ran.mass_matrix(q))
+    for part in ("name", "sha256", "provisos", "urdf_text"):
+        assert getattr(shown, part) == getattr(ran, part)
+    # Without that URDF there is no arm to show, and still nothing is run.
+    stranger = load_experiment(tmp_path / "e.toml", import_laws=False)
+    file.write_text(f'<robot name="r" {XMLNS}><xacro:include filename="x"/></robot>')
+    with pytest.raises(ArmError, match="a xacro file is a program, and where somebody else's file may name it, none"):
+        stranger.build_arm()
