@@ -100,7 +100,13 @@ def load_arm(
         ArmError: Unknown name, or a URDF at fault.
         ParameterError: An option at fault.
     """
-    options = {"payload": payload, "armature": armature, "lock": lock, "gravity": gravity, "repair": repair}
+    options: dict[str, Any] = {
+        "payload": payload,
+        "armature": armature,
+        "lock": lock,
+        "gravity": gravity,
+        "repair": repair,
+    }
     reading: dict[str, Any] = {"estimate_inertia": estimate_inertia, "run_xacro": run_xacro}
     return assemble(recipe_of(source, xacro, package, **reading, chain=chain, **options))
 
