@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from asmc_pin.arms import arm_names as arm_names
     from asmc_pin.arms import load_arm as load_arm
     from asmc_pin.arms.arm_options import Unchanged as Unchanged
+    from asmc_pin.arms.sources.robot_files import RobotFiles as RobotFiles
     from asmc_pin.baselines import BASELINES as BASELINES
     from asmc_pin.baselines import ModelLaw as ModelLaw
     from asmc_pin.condition import Bound as Bound

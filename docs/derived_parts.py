@@ -15,6 +15,7 @@ from import_graph import PACKAGE, circles, docstring, folders, layers, reduced, 
 from law_oracles import ORACLES
 
 from asmc_pin.arms import ARMS
+from asmc_pin.arms.published_armature import PUBLISHED_ARMATURE
 from asmc_pin.baselines import BASELINES, ModelLaw
 from asmc_pin.cli.commands.listing_commands import arm_rows, controller_rows, metric_rows
 from asmc_pin.controllers import CONTROLLERS, TdeLaw
@@ -126,6 +127,16 @@ def named_arms() -> str:
         rotors = ", ".join(f"{code(joint)} {value:g}" for joint, value in arm.armature.items())
         rows.append([code(name), prose(arm.description), locked or "none", rotors or "none"])
     return table(["name", "what it is", "locked unless freed, rad (m)", "armature of its own, kg·m²"], rows)
+
+
+@part("published-armature")
+def published_armature() -> str:
+    """docs/arms.md: which reflected inertias are published, by whom, and how sure they are."""
+    rows = []
+    for name, known in PUBLISHED_ARMATURE.items():
+        values = ", ".join(f"{code(joint)} {value:.9g}" for joint, value in known.armature.items())
+        rows.append([code(name), values, prose(known.source), prose(known.certainty)])
+    return table(["name", "reflected inertia, kg·m²", "source", "how sure"], rows)
 
 
 @part("metric-definitions")

@@ -15,7 +15,7 @@ from asmc_pin._typing import Array, BoolArray
 from asmc_pin.arms.arm_options import UNCHANGED, Armature, ChainEnds, Gravity, Load, Lock, Unchanged, Variant
 from asmc_pin.arms.payload import Payload
 from asmc_pin.arms.registry import ArmEntry
-from asmc_pin.arms.robot_files import RobotFiles
+from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.arms.urdf.urdf_reading import Mimic, Robot
 from asmc_pin.errors import ArmError
 from asmc_pin.rigid_body.leading_axes import joint_rows

@@ -5,22 +5,25 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.arms.payload import Payload, as_payload
-from asmc_pin.arms.registry import nearest
+from asmc_pin.arms.published_armature import PUBLISHED, PUBLISHED_ARMATURE, how_to_measure
+from asmc_pin.arms.registry import ArmEntry, nearest
 from asmc_pin.arms.urdf.magnitudes import GRAVITY as LARGEST_GRAVITY
 from asmc_pin.arms.urdf.magnitudes import INERTIA, LENGTH
 from asmc_pin.arms.urdf.urdf_reading import Robot
 from asmc_pin.errors import ParameterError
+from asmc_pin.words.provisos import PUBLISHED_ARMATURE_USED, Proviso
+from asmc_pin.words.text import printable
 from asmc_pin.words.units import check_angle, check_gravity
 
 GRAVITY = (0.0, 0.0, -9.81)
 Load = float | str | Payload | Mapping[str, Any]
-Armature = float | Sequence[float] | Array | Mapping[str, float]
+Armature = float | Sequence[float] | Array | Mapping[str, float] | Literal["published"]
 Lock = Mapping[str, "float | str | None"]
 Gravity = Sequence[float] | Array
 ChainEnds = tuple[str, str]
@@ -38,7 +41,7 @@ class Variant:
     """The options of `load_arm`, copied, so that nobody changes them afterwards; None is what was not given."""
 
     payload: Payload | None = None
-    armature: Array | dict[str, float] | None = None
+    armature: Array | dict[str, float] | Literal["published"] | None = None
     lock: dict[str, float | str | None] | None = None
     gravity: Array | None = None
     repair: bool | None = None
@@ -61,7 +64,7 @@ def read_variant(
     """
     return Variant(
         payload=as_payload(payload),
-        armature=dict(armature) if isinstance(armature, Mapping) else _numbers("armature", armature),
+        armature=_armature(armature),
         lock=dict(lock) if lock is not None else None,
         gravity=_gravity(gravity),
         repair=_switch("repair", repair),
@@ -157,6 +160,43 @@ def resolve_armature(
     if np.any(values > INERTIA):
         raise ParameterError("armature", f"{values.tolist()} given, values of at most {INERTIA:g} expected, kg·m²")
     return values
+
+
+def _armature(armature: Armature | None) -> Array | dict[str, float] | Literal["published"] | None:
+    if isinstance(armature, Mapping):
+        return dict(armature)
+    if isinstance(armature, str):
+        if armature != PUBLISHED:
+            raise ParameterError("armature", f"{armature!r} given, numbers in kg·m² or '{PUBLISHED}' expected")
+        return "published"
+    return _numbers("armature", armature)
+
+
+def published_for(entry: ArmEntry | None, name: str, joints: Sequence[str]) -> tuple[dict[str, float], Proviso]:
+    """What is published of an arm's rotors.
+
+    Args:
+        entry: The registry's, where the arm was asked for by name; a file of one's own may be another robot.
+        name: Of the arm, for messages.
+        joints: Names of its moving joints.
+
+    Returns:
+        Joint to reflected inertia, kg·m²; and from where it is.
+
+    Raises:
+        ParameterError: Nothing is; the message says how it can be measured.
+    """
+    found = None if entry is None else PUBLISHED_ARMATURE.get(entry.name)
+    if found is None:
+        own = f"; {entry.name} has its own already, leave it out" if entry is not None and entry.armature else ""
+        raise ParameterError(
+            "armature",
+            f"no published rotor inertia is known for {printable(name)} (for {', '.join(PUBLISHED_ARMATURE)} there is)"
+            f"{own or f'. {how_to_measure(name)}'}",
+        )
+    values = {joint: value for joint, value in found.armature.items() if joint in joints}
+    said = f"from {found.source}. How sure: {found.certainty}"
+    return values, Proviso(PUBLISHED_ARMATURE_USED, said)
 
 
 def _gravity(gravity: Gravity | None) -> Array | None:

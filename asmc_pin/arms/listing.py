@@ -7,6 +7,7 @@ from collections import Counter
 import numpy as np
 
 from asmc_pin.arms.loading import load_arm
+from asmc_pin.arms.published_armature import PUBLISHED_ARMATURE
 from asmc_pin.arms.registry import ARMS
 
 
@@ -14,7 +15,8 @@ def arms_table() -> list[dict[str, str]]:
     """One row per named arm, as it is loaded without options.
 
     Returns:
-        Rows with the keys name, joints, kinds, mass, effort limits, origin, licence. The mass is what moves.
+        Rows with the keys name, joints, kinds, mass, published rotors, effort limits, origin, licence. The mass is what
+        moves; the rotors are what ``armature="published"`` takes, or those that the arm has without being asked.
     """
     rows = []
     for name, entry in ARMS.items():
@@ -28,6 +30,7 @@ def arms_table() -> list[dict[str, str]]:
                 "joints": str(arm.nv),
                 "kinds": ", ".join(f"{count} {kind}" for kind, count in Counter(kinds).items()),
                 "mass": f"{arm.tree.mass.sum():.1f} kg",
+                "published rotors": "yes" if name in PUBLISHED_ARMATURE else "own" if entry.armature else "no",
                 "effort limits": "declared" if np.all(np.isfinite(arm.effort_limit)) else "not declared",
                 "origin": entry.origin,
                 "licence": entry.licence,

@@ -20,6 +20,7 @@ from asmc_pin.arms.arm_options import (
     Load,
     Lock,
     Variant,
+    published_for,
     read_variant,
     resolve_armature,
     resolve_locks,
@@ -38,9 +39,11 @@ from asmc_pin.arms.pinocchio_model import (
     whole_model,
 )
 from asmc_pin.arms.pinocchio_tree import tree_of
-from asmc_pin.arms.reading_options import Packages, Reading, XacroArguments, read_packages, read_xacro
 from asmc_pin.arms.registry import ArmEntry, find, package_shares
-from asmc_pin.arms.robot_files import RobotFiles
+from asmc_pin.arms.sources.carried import Carried
+from asmc_pin.arms.sources.reading_options import Packages, Reading, XacroArguments, read_packages, read_xacro
+from asmc_pin.arms.sources.robot_files import RobotFiles
+from asmc_pin.arms.urdf.estimated_inertia import EstimateInertia, read_estimate, with_estimated_inertia
 from asmc_pin.arms.urdf.magnitudes import MOVING_JOINTS
 from asmc_pin.arms.urdf.mimicking import Followed, settle_mimics
 from asmc_pin.arms.urdf.urdf_document import read_document
@@ -62,6 +65,8 @@ def load_arm(
     chain: ChainEnds | None = None,
     xacro: XacroArguments | None = None,
     package: Packages | None = None,
+    estimate_inertia: EstimateInertia | None = None,
+    run_xacro: bool = True,
 ) -> Arm:
     """Load an arm.
 
@@ -72,6 +77,7 @@ def load_arm(
             a point at that link's frame; or a `Payload`, or a mapping with its fields, with centre, inertia and link.
         armature: Reflected rotor inertia (rotor inertia times gear ratio squared), kg·m² (kg where prismatic), on the
             diagonal of M: one value, one per joint, or joint to value. Takes the place of what the arm's entry has.
+            ``"published"``: what is published of a named arm, see `published_armature`.
         lock: Joint to value, rad (m): the joint is rigid there. A pattern such as ``left_*`` stands for all joints that
             it matches, an exact name goes before it; ``grippers`` for all joints of grippers. Added to the entry's
             default locks; None or ``"free"`` frees one.
@@ -83,6 +89,9 @@ def load_arm(
             unless `lock` says otherwise.
         xacro: Values of a xacro file's arguments.
         package: ROS package to the folder where it lies, for a xacro file's ``$(find …)`` and for meshes.
+        estimate_inertia: A mass, kg, that links without inertia share by their volume; or link to mass, for these
+            links alone. Their shapes, meshes included, are then needed. `Arm.provisos` says what was estimated.
+        run_xacro: Whether a xacro file may be expanded; it is a program. Without it such a file is refused.
 
     Returns:
         The arm. `Arm.warnings` says what was taken otherwise than written.
@@ -91,21 +100,66 @@ def load_arm(
         ArmError: Unknown name, or a URDF at fault.
         ParameterError: An option at fault.
     """
-    options = {"payload": payload, "armature": armature, "lock": lock, "gravity": gravity, "repair": repair}
-    return assemble(recipe_of(source, xacro, package, chain=chain, **options))
+    options: dict[str, Any] = {
+        "payload": payload,
+        "armature": armature,
+        "lock": lock,
+        "gravity": gravity,
+        "repair": repair,
+    }
+    reading: dict[str, Any] = {"estimate_inertia": estimate_inertia, "run_xacro": run_xacro}
+    return assemble(recipe_of(source, xacro, package, **reading, chain=chain, **options))
 
 
 def recipe_of(
-    source: str | Path, xacro: XacroArguments | None = None, package: Packages | None = None, **options: Any
+    source: str | Path,
+    xacro: XacroArguments | None = None,
+    package: Packages | None = None,
+    estimate_inertia: EstimateInertia | None = None,
+    run_xacro: bool = True,
+    **options: Any,
 ) -> Recipe:
     """What `load_arm` makes an arm of, read and not judged; arguments as there."""
     path, entry = find(source)
     variant = read_variant(**options)
     files = RobotFiles(path.resolve().parent, read_packages(package), package_shares())
     arguments = {**(entry.xacro if entry else {}), **read_xacro(xacro)}
-    robot = read_robot(read_document(path, Reading(files, arguments)))
+    document = read_document(path, Reading(files, arguments, run_xacro))
+    masses = read_estimate(estimate_inertia)
+    if masses is not None:
+        document = with_estimated_inertia(document, masses, files)
+    robot = read_robot(document)
     check_against_mujoco(robot)
     return Recipe(robot, files, entry, variant)
+
+
+def load_carried(
+    source: Path,
+    carried: Carried,
+    *,
+    package: Packages | None = None,
+    **options: Any,
+) -> Arm:
+    """The arm of a result that came from a xacro file, without running that file again.
+
+    Args:
+        source: The xacro file, which need not be there any more; its name and folder count.
+        carried: What the result has of it.
+        package: As for `load_arm`, for meshes; folders that are gone are left out.
+        options: Payload, armature, lock and gravity, as for `load_arm`.
+
+    Returns:
+        The arm as it was computed with.
+
+    Raises:
+        ArmError: The URDF that went along is at fault.
+        ParameterError: An option at fault.
+    """
+    there = {name: folder for name, folder in (package or {}).items() if Path(folder).is_dir()}
+    files = RobotFiles(source.resolve().parent, read_packages(there), package_shares())
+    document = read_document(carried.path, Reading(files, run_xacro=False))
+    document = replace(document, path=source, sha256=carried.sha256, provisos=carried.provisos, expanded=True)
+    return assemble(Recipe(read_robot(document), files, None, read_variant(**options)))
 
 
 @dataclass(frozen=True)
@@ -198,8 +252,13 @@ def assemble(recipe: Recipe) -> Arm:
             f"{lock_words({'left_*': 0.0})}",
         )
     check_bodies(robot, bodies, coupling)
+    name = entry.name if entry else printable(robot.name)
+    provisos, armature = robot.provisos, variant.armature
+    if isinstance(armature, str):
+        armature, proviso = published_for(entry, name, names)
+        provisos = provisos if proviso.text in (known.text for known in provisos) else (*provisos, proviso)
     every = (*names, *followed.mimics)
-    rotors = resolve_armature(names, _own_armature(recipe), variant.armature, tuple(followed.mimics))
+    rotors = resolve_armature(names, _own_armature(recipe), armature, tuple(followed.mimics))
     model.armature = rotors[[every.index(joint.name) for joint in joints]]
     own = robot.mjcf.gravity if robot.mjcf is not None else GRAVITY
     model.gravity.linear = np.array(own) if variant.gravity is None else variant.gravity
@@ -212,7 +271,7 @@ def assemble(recipe: Recipe) -> Arm:
     check_mass_matrix(robot, model, coupling)
     tree = tree_of(model, coupling)
     return Arm(
-        name=entry.name if entry else printable(robot.name),
+        name=name,
         joint_names=names,
         joint_kinds=tuple(joint.kind for joint in driven),
         continuous=_frozen([joint.continuous for joint in driven], np.bool_),
@@ -229,7 +288,7 @@ def assemble(recipe: Recipe) -> Arm:
         mimics=MappingProxyType(dict(followed.mimics)),
         payload=payload,
         warnings=(*_warnings(robot, driven, bodies, locked), *followed.notes, *vain),
-        provisos=robot.provisos,
+        provisos=provisos,
         source=robot.path,
         sha256=robot.sha256,
         urdf_text=robot.text,
@@ -254,7 +313,8 @@ def vary(arm: Arm, changes: Mapping[str, Any]) -> Arm:
     asked = read_variant(**changes)
     # A payload stays on its link even where the new locks make another link the last one.
     new = replace(replace(variant, payload=arm.payload), **{name: getattr(asked, name) for name in changes})
-    if "lock" in changes and "armature" not in changes and variant.armature is not None:
+    given = variant.armature is not None and not isinstance(variant.armature, str)
+    if "lock" in changes and "armature" not in changes and given:
         held = resolve_locks(robot, entry.locks if entry else {}, _asked_locks(robot, entry, new))
         asked_for = variant.armature
         kept = asked_for if isinstance(asked_for, dict) else dict(zip(arm.joint_names, arm.armature, strict=True))

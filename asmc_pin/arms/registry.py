@@ -11,7 +11,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from asmc_pin.arms.named_descriptions import described, hint
+from asmc_pin.arms.sources.named_descriptions import described, hint
 from asmc_pin.disk.reading import user_path
 from asmc_pin.disk.resources import shipped
 from asmc_pin.errors import ArmError

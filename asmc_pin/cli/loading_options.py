@@ -56,8 +56,8 @@ class LoadingOptions:
         str | None,
         typer.Option(
             "--armature",
-            metavar="A1,LO:HI,…",
-            help="Reflected rotor inertia per joint, kg·m², values or ranges; or one for all.",
+            metavar="A1,LO:HI,…|published",
+            help="Reflected rotor inertia per joint, kg·m², values or ranges, or one for all; or what is published.",
         ),
     ] = None
     lock: Annotated[
@@ -91,6 +91,14 @@ class LoadingOptions:
     package: Annotated[
         list[str] | None,
         typer.Option("--package", metavar="NAME=DIR", help="Where a ROS package lies that is named. Repeatable."),
+    ] = None
+    estimate_inertia: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--estimate-inertia",
+            metavar="KG|LINK=KG",
+            help="Estimate missing inertias from shapes: a mass for all together, or one for each link. Repeatable.",
+        ),
     ] = None
 
 
@@ -156,10 +164,14 @@ def parse_payload(text: str | None, com: str | None = None, inertia: str | None 
     return payload
 
 
-def parse_armature(text: str | None) -> list[float | Range] | float | Range | None:
-    """``--armature`` as per-joint values or ranges, or one for all joints, kg·m²."""
+def parse_armature(text: str | None) -> list[float | Range] | float | Range | str | None:
+    """``--armature`` as per-joint values or ranges, or one for all joints, kg·m²; or the word ``published``."""
     if text is None:
         return None
+    if text.strip() == "published":
+        return "published"
+    if text.strip().isalpha():
+        raise ParameterError("--armature", f"'{text}' given, numbers in kg·m², ranges lo:hi, or 'published' expected")
     parts = [value_or_range(part, "--armature") for part in text.split(",")]
     return parts[0] if len(parts) == 1 else parts
 
@@ -200,10 +212,23 @@ def load_keywords(loading: LoadingOptions) -> tuple[dict[str, Any], dict[str, An
         single["repair"] = True
     if loading.gravity is not None:
         single["gravity"] = numbers(loading.gravity, "--gravity")
-    for name, items, form in (("xacro", loading.xacro, "NAME=VALUE"), ("package", loading.package, "NAME=DIR")):
-        if items:
-            single[name] = assignments(items, f"--{name}", form)
+    if loading.xacro:
+        # An empty value is one: many a xacro file takes "no gripper" that way.
+        single["xacro"] = assignments(loading.xacro, "--xacro", "NAME=VALUE", empty=True)
+    if loading.package:
+        single["package"] = assignments(loading.package, "--package", "NAME=DIR")
+    if loading.estimate_inertia:
+        single["estimate_inertia"] = parse_estimate(loading.estimate_inertia)
     return single, ranges
+
+
+def parse_estimate(items: list[str]) -> float | dict[str, float]:
+    """``--estimate-inertia`` as one mass, or link to mass, kg."""
+    option = "--estimate-inertia"
+    if len(items) == 1 and "=" not in items[0]:
+        return number(items[0], option)
+    masses = assignments(items, option, "LINK=KG; give one mass for all, or one for each link")
+    return {link: number(mass, option) for link, mass in masses.items()}
 
 
 def open_domain(source: str, loading: LoadingOptions) -> tuple[Arm, dict[str, Any]]:
@@ -236,6 +261,9 @@ def open_domain(source: str, loading: LoadingOptions) -> tuple[Arm, dict[str, An
         warnings += sorted(common - set(warnings))
     for warning in warnings:
         note(f"warning: {warning}")
+    for proviso in arm.provisos:
+        if proviso.headline:
+            note(f"warning: {proviso.kind}: {proviso.text}")
     tell_doubts(arm, source)
     return arm, ranges
 

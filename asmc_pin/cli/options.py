@@ -90,12 +90,12 @@ def value_or_range(text: str, option: str) -> float | Range:
     return low, high
 
 
-def assignments(items: Iterable[str] | None, option: str, expected: str) -> dict[str, str]:
-    """``name=value`` items as a dictionary."""
+def assignments(items: Iterable[str] | None, option: str, expected: str, *, empty: bool = False) -> dict[str, str]:
+    """``name=value`` items as a dictionary; a value may be empty where that means something."""
     result: dict[str, str] = {}
     for item in items or ():
         name, equals, value = item.partition("=")
-        if not equals or not name or not value:
+        if not equals or not name or not (value or empty):
             raise ParameterError(option, f"'{item}' is not of the form {expected}")
         if name.strip() in result:
             raise ParameterError(option, f"'{name.strip()}' is given twice")

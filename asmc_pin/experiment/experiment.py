@@ -12,6 +12,8 @@ from pydantic import PrivateAttr, ValidationError
 
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm, arm_names, load_arm
+from asmc_pin.arms.loading import load_carried
+from asmc_pin.arms.sources.carried import Carried
 from asmc_pin.baselines import knows_model
 from asmc_pin.controllers import Controller, Sample, Setpoint
 from asmc_pin.errors import ExperimentError, ParameterError
@@ -43,6 +45,7 @@ class Experiment(Shown, ExperimentTables):
     _text: str | None = PrivateAttr(default=None)
     _import_laws: bool = PrivateAttr(default=True)
     _arm: Arm | None = PrivateAttr(default=None)
+    _carried: Carried | None = PrivateAttr(default=None)
     _reference: Reference | None = PrivateAttr(default=None)
 
     @classmethod
@@ -62,8 +65,9 @@ class Experiment(Shown, ExperimentTables):
             folder: Where relative paths and laws of one's own are looked for; the working directory when omitted.
             origin: What to call the experiment in errors.
             text: The TOML that `data` was read from, if it was; kept so that comments survive.
-            import_laws: Whether laws of one's own are imported, which runs their code. Without them the experiment
-                has its arm, its motion and its plant, and `build_controllers` refuses.
+            import_laws: Whether laws of one's own are imported, which runs their code, and a xacro file is expanded,
+                which runs it. Without them the experiment has its arm, if that is no xacro file, its motion and its
+                plant, and `build_controllers` refuses.
 
         Raises:
             ExperimentError: lists every mistake with the path of its key.
@@ -169,7 +173,12 @@ class Experiment(Shown, ExperimentTables):
                 options["package"] = {name: self._folder / where for name, where in options["package"].items()}
             try:
                 with speaking("experiment"):
-                    self._arm = load_arm(source, **options)
+                    if self._carried is not None:
+                        # The inertias that were estimated stand in it already, and the xacro file was run.
+                        kept = {k: value for k, value in options.items() if k not in ("xacro", "estimate_inertia")}
+                        self._arm = load_carried(Path(source), self._carried, **kept)
+                    else:
+                        self._arm = load_arm(source, run_xacro=self._import_laws, **options)
             except ParameterError as error:
                 text = str(error).removeprefix(f"{error.parameter}: ")
                 experiment_checks.fail([Mistake(f"arm.{error.parameter}", text)], self._origin)
@@ -271,3 +280,8 @@ class Experiment(Shown, ExperimentTables):
             effort_limit=np.asarray(self.build_plant().effort_limit),
             torque_rate_limit=np.asarray(self.metrics.torque_rate_limit),
         )
+
+
+def take_carried_arm(experiment: Experiment, carried: Carried | None) -> None:
+    """Have an experiment take its arm from the URDF that went along with a result, and run no xacro file."""
+    experiment._carried = carried

@@ -109,10 +109,13 @@ def _armature(value: Any) -> Any:
             if not (_is_number(item) and math.isfinite(item) and item >= 0.0):
                 raise ValueError(f"of joint {joint!r} must be a number of 0 or more, got {item!r}")
         return {joint: float(item) for joint, item in value.items()}
+    if value == "published":
+        return value
     many = value if isinstance(value, list) else [value]
     if not many or not all(_is_number(item) and math.isfinite(item) and item >= 0.0 for item in many):
         raise ValueError(
-            f"must be a number of 0 or more, a list with one for each joint, or a table joint = value, got {value!r}"
+            "must be a number of 0 or more, a list with one for each joint, a table joint = value, or "
+            f'"published", got {value!r}'
         )
     return [float(item) for item in many] if isinstance(value, list) else float(value)
 
@@ -128,7 +131,11 @@ def _lock(value: Any) -> Any:
 
 _LOCK_SCHEMA = {"type": "object", "additionalProperties": {"anyOf": [{"type": "number"}, {"const": "free"}]}}
 _ARMATURE_SCHEMA = {
-    "anyOf": [*_NUMBERS_SCHEMA["anyOf"], {"type": "object", "additionalProperties": {"type": "number", "minimum": 0}}],
+    "anyOf": [
+        *_NUMBERS_SCHEMA["anyOf"],
+        {"type": "object", "additionalProperties": {"type": "number", "minimum": 0}},
+        {"const": "published"},
+    ],
 }
 
 
@@ -144,10 +151,12 @@ class ArmTable(TomlTable):
         "`com`, `inertia`, `link`",
     )
     armature: Annotated[
-        float | list[float] | dict[str, float] | None, BeforeValidator(_armature), WithJsonSchema(_ARMATURE_SCHEMA)
+        float | list[float] | dict[str, float] | Literal["published"] | None,
+        BeforeValidator(_armature),
+        WithJsonSchema(_ARMATURE_SCHEMA),
     ] = Field(
         default=None,
-        description="reflected rotor inertia, kg·m² (kg): per joint, or joint = value; else the arm's own",
+        description="reflected rotor inertia, kg·m² (kg): per joint, joint = value, or `published`; else the arm's own",
     )
     lock: Annotated[dict[str, Any] | None, BeforeValidator(_lock), WithJsonSchema(_LOCK_SCHEMA)] = Field(
         default=None,
@@ -173,6 +182,9 @@ class ArmTable(TomlTable):
     )
     package: dict[str, str] | None = Field(
         default=None, description="ROS packages: name = folder where it lies (relative to this file)"
+    )
+    estimate_inertia: float | dict[str, float] | None = Field(
+        default=None, description="kg: missing inertias from shapes, one mass for all together, or link = mass"
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from asmc_pin._typing import Array
-from asmc_pin.arms.robot_files import RobotFiles
+from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.inspection.subject_of_doubt import Doubt, SubjectOfDoubt, some
 from asmc_pin.viewer import link_shapes
 

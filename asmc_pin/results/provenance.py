@@ -73,7 +73,7 @@ def provenance(
 
 
 def _made(arm: Arm) -> dict[str, Any]:
-    """Of an arm that is not as its file says: how, and the hash of what was computed with (``arm.urdf``)."""
+    """Of an arm that is not as its file says: how, and the hash of what was computed with (``computed_arm.urdf``)."""
     return {"provisos": provisos_json(arm.provisos), "urdf_sha256": _digest(arm.urdf_text.encode())}
 
 

@@ -35,7 +35,7 @@ EXPERIMENT, TRAJECTORIES, SUMMARY, PROVENANCE = (
 )
 MONITORS, CLAIMS = "monitors.nc", "claims.parquet"
 """What the theorems' monitors found (docs/monitors.md); a result made without them is whole too."""
-EXPANDED = "arm.urdf"
+EXPANDED = "computed_arm.urdf"
 """The URDF that was computed with, where it is not the file that was read."""
 
 # Variable: meaning, unit on a revolute joint, unit on a prismatic one.
@@ -105,18 +105,22 @@ def load_result(path: str | Path, *, largest: float = LARGEST) -> Result:
         ResultError: the folder is missing, is not a whole result, or is damaged.
     """
     folder = find_result(path)
+    from asmc_pin.arms.sources.carried import carried_urdf
     from asmc_pin.experiment import load_experiment
+    from asmc_pin.experiment.experiment import take_carried_arm
     from asmc_pin.results import result_schema as schema
     from asmc_pin.results.result_files import check_digest, read_arrays, read_json, read_rows
 
-    files = {name: folder / name for name in (EXPERIMENT, TRAJECTORIES, SUMMARY, PROVENANCE, CLAIMS, MONITORS)}
+    hashed = (EXPERIMENT, TRAJECTORIES, SUMMARY, CLAIMS, MONITORS, EXPANDED)
+    files = {name: folder / name for name in (*hashed, PROVENANCE)}
     try:
         experiment = load_experiment(files[EXPERIMENT], import_laws=False)
         provenance = read_json(files[PROVENANCE])
         schema.check_provenance(files[PROVENANCE], provenance)
-        for name in (EXPERIMENT, TRAJECTORIES, SUMMARY, CLAIMS, MONITORS):
+        for name in hashed:
             if files[name].exists():
                 check_digest(files[name], provenance, largest)
+        take_carried_arm(experiment, carried_urdf(files[EXPANDED], provenance.get("arm", {})))
         dataset = read_arrays(files[TRAJECTORIES], largest)
         schema.check_trajectories(files[TRAJECTORIES], dataset, experiment)
         trials = max(dataset.sizes["trial"], experiment.ensemble.trials)

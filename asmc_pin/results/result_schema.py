@@ -207,6 +207,11 @@ def check_provenance(path: Path, provenance: Mapping[str, Any]) -> None:
     arm = provenance.get("arm", {})
     if not isinstance(arm, dict) or not isinstance(arm.get("sha256", ""), str):
         raise ResultError(path, f"{path}: 'arm' is no object with the hash of a URDF")
+    provisos = arm.get("provisos", [])
+    if not isinstance(provisos, list) or not all(
+        isinstance(each, dict) and all(isinstance(each.get(key), str) for key in ("kind", "text")) for each in provisos
+    ):
+        raise ResultError(path, f"{path}: 'arm.provisos' is no list of objects with 'kind' and 'text'")
 
 
 def _pairs(labels: list[str], controllers: Mapping[str, Any]) -> list[tuple[str, str]]:

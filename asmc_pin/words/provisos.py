@@ -7,6 +7,17 @@ from typing import NamedTuple
 
 from asmc_pin.words.text import visible
 
+EXPANDED_XACRO = "expanded xacro"
+"""Of an arm that came from a xacro file."""
+
+CONVERTED_MJCF = "converted MJCF"
+"""Of an arm that came from a MuJoCo model."""
+
+PUBLISHED_ARMATURE_USED = "published armature"
+"""Of an arm with reflected inertias from the list of published ones."""
+
+_QUIET = (EXPANDED_XACRO, CONVERTED_MJCF, PUBLISHED_ARMATURE_USED)
+
 
 class Proviso(NamedTuple):
     """One such thing; it stands in every report, page, certificate and provenance.
@@ -14,14 +25,17 @@ class Proviso(NamedTuple):
     Attributes:
         kind: A few words for a headline, such as "estimated inertia".
         text: What was done, with figures, as one sentence without a full stop.
-        headline: Whether the arm is another one for it, so that no headline goes without it.
     """
 
     kind: str
     text: str
-    headline: bool = True
+
+    @property
+    def headline(self) -> bool:
+        """Whether the arm is another one for it, so that no headline goes without it."""
+        return self.kind not in _QUIET
 
 
 def provisos_json(provisos: Sequence[Proviso]) -> list[dict[str, str]]:
     """The same as ``--json`` and provenance have it."""
-    return [{"kind": visible(kind), "text": visible(text)} for kind, text, _ in provisos]
+    return [{"kind": visible(kind), "text": visible(text)} for kind, text in provisos]

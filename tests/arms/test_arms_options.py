@@ -145,7 +145,7 @@ def test_armature_adds_to_the_diagonal_of_mass_only() -> None:
         ([0.1, 0.2], r"armature: 2 values given, 1 or 6 expected \(shoulder_pan_joint"),
         (-0.1, r"armature: .*zero or more expected"),
         (float("nan"), r"armature: .*finite values"),
-        ("much", r"armature: 'much' given, numbers expected"),
+        ("much", r"armature: 'much' given, numbers in kg·m² or 'published' expected"),
         ({"elbow": 0.1}, r"armature: no moving joint 'elbow'; did you mean 'elbow_joint'"),
         ({"elbow_joint": [1, 2]}, r"armature.elbow_joint: \[1, 2\] given, one number expected"),
     ],

@@ -14,9 +14,10 @@ import pytest
 from arm_urdf import two_joints, write
 from paths import CASES
 
-from asmc_pin import load_arm, load_experiment
-from asmc_pin.arms import named_descriptions
-from asmc_pin.arms.robot_files import RobotFiles
+from asmc_pin import compare, load_arm, load_experiment, load_result
+from asmc_pin.arms.sources import named_descriptions
+from asmc_pin.arms.sources.robot_files import RobotFiles
+from asmc_pin.arms.urdf import urdf_document
 from asmc_pin.cli import main
 from asmc_pin.condition.certificate import certify
 from asmc_pin.condition.checker import check
@@ -109,6 +110,9 @@ def test_a_certificate_of_a_xacro_file_carries_the_expanded_urdf(tmp_path: Path)
 
 def test_the_command_line_and_experiments_take_the_same(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = xacro_package(tmp_path / "p" / "my_arm")
+    with pytest.raises(SystemExit) as stop:
+        main(["verify", str(file), "--mbar", "0.1", "--xacro", "name=r", "--xacro", "height="])
+    assert (stop.value.code, capsys.readouterr().err.count("xyz")) == (2, 1)  # taken, and no number
     given = ["--xacro", "height=0.2", "--xacro", "name=mine", "--package", f"my_arm={file.parent.parent}"]
     with pytest.raises(SystemExit) as stop:
         main(["verify", str(file), "--mbar", "0.1", "--samples", "10", "--json", *given])
@@ -120,8 +124,8 @@ def test_the_command_line_and_experiments_take_the_same(tmp_path: Path, capsys: 
         f'arm = {{ source = "{file}", xacro = {{ height = 0.2, name = "mine" }}, '
         'package = { my_arm = "p/my_arm" } }\n'
         'name = "e"\nperiod = 0.001\nduration = 0.01\n'
-        'reference = { kind = "quintic", start = [0, 0], targets = [[0, 0]],'
-        ' times = [0.01] }\n[controllers.a]\nlaw = "ppc"\nmbar = 0.1\nks = 1.0\nbeta = 1.0\n'
+        'reference = { kind = "quintic", start = [0, 0], targets = [[0, 0]], times = [0.01], move = 0.01 }\n'
+        '[controllers.a]\nlaw = "ppc"\nmbar = 0.1\nks = 1.0\nbeta = 1.0\n'
     )
     assert load_experiment(tmp_path / "e.toml").build_arm().name == "mine"
 
@@ -235,3 +239,32 @@ def test_without_that_package_the_message_names_it(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(named_descriptions, "find_spec", lambda name: None)
     with pytest.raises(ArmError, match="pip install robot_descriptions"):
         load_arm("ur5e_description")
+
+
+def test_looking_at_a_result_runs_no_xacro_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = xacro_package(tmp_path / "p")
+    (tmp_path / "e.toml").write_text(
+        f'name = "e"\nperiod = 0.002\nduration = 0.02\narm = {{ source = "{file}", xacro = {{ name = "r" }}, '
+        "armature = 0.1, payload = 0.5 }\n"
+        'reference = { kind = "quintic", start = [0.0, 0.5], targets = [[0.0, 0.5]], times = [0.02], move = 0.02 }\n'
+        '[controllers.a]\nlaw = "ppc"\nmbar = 0.1\nks = 1.0\nbeta = 1.0\n'
+    )
+    experiment = load_experiment(tmp_path / "e.toml")
+    compare(experiment, tmp_path / "out")
+    ran = experiment.build_arm()
+
+    def run(*_: object) -> None:
+        raise AssertionError("expanded")
+
+    monkeypatch.setattr(urdf_document, "expand", run)
+    file.unlink()
+    shown = load_result(tmp_path / "out").experiment.build_arm()
+    q = np.array([0.3, -0.4])
+    assert np.array_equal(shown.mass_matrix(q), ran.mass_matrix(q))
+    for part in ("name", "sha256", "provisos", "urdf_text"):
+        assert getattr(shown, part) == getattr(ran, part)
+    # Without that URDF there is no arm to show, and still nothing is run.
+    stranger = load_experiment(tmp_path / "e.toml", import_laws=False)
+    file.write_text(f'<robot name="r" {XMLNS}><xacro:include filename="x"/></robot>')
+    with pytest.raises(ArmError, match="a xacro file is a program, and where somebody else's file may name it, none"):
+        stranger.build_arm()

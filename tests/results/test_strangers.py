@@ -139,7 +139,7 @@ MESHES = ["file:///etc/passwd", "../../../../../../../etc/passwd", "package://et
 
 @pytest.mark.parametrize("name", MESHES)
 def test_only_what_is_named_like_a_mesh_is_opened_as_one(name: str, tmp_path: Path, monkeypatch) -> None:
-    from asmc_pin.arms.robot_files import RobotFiles
+    from asmc_pin.arms.sources.robot_files import RobotFiles
 
     opened: list[object] = []
     monkeypatch.setattr(Path, "is_file", opened.append)
@@ -149,7 +149,7 @@ def test_only_what_is_named_like_a_mesh_is_opened_as_one(name: str, tmp_path: Pa
 
 
 def test_a_mesh_that_is_a_pipe_or_a_device_is_not_read(tmp_path: Path) -> None:
-    from asmc_pin.arms.robot_files import RobotFiles
+    from asmc_pin.arms.sources.robot_files import RobotFiles
     from asmc_pin.viewer.drawing.meshes import load_mesh
 
     os.mkfifo(tmp_path / "pipe.stl")

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from viewer_cases import BENT, bent_arm
 
 from asmc_pin.arms import arm_names, load_arm
-from asmc_pin.arms.robot_files import RobotFiles
+from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.viewer import PlayedMotion, describe, draw
 from asmc_pin.viewer.drawing.drawn_bodies import assemble, attachments, body_poses, joint_frames
 from asmc_pin.viewer.drawing.mesh_simplify import simplify

@@ -154,7 +154,8 @@ def _without_mass(body: MovingBody) -> str:
     return (
         f"{body.joint.where}: moves link '{first}', which carries no inertia"
         + (f", nor does anything fixed to it ({_some(others)})" if others else "")
-        + f"; add <inertial> with a mass above zero to link '{first}', or lock the joint"
+        + f"; add <inertial> with a mass above zero to link '{first}', or lock the joint; or have it estimated "
+        "from its shapes and a mass: --estimate-inertia KG (estimate_inertia= in Python)"
     )
 
 

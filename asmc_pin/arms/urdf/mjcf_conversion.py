@@ -17,6 +17,7 @@ import numpy as np
 from lxml import etree
 
 from asmc_pin._typing import Array
+from asmc_pin.arms.urdf.rigid_inertia import ENTRIES
 from asmc_pin.disk.reading import shown
 from asmc_pin.errors import ArmError
 from asmc_pin.words.text import printable
@@ -137,11 +138,10 @@ def _write_body(mujoco: Any, model: Any, names: _Names, path: Path, body: int, r
         inertial = etree.SubElement(link, "inertial")
         etree.SubElement(inertial, "origin", xyz=_triple(model.body_ipos[body]), rpy="0 0 0")
         etree.SubElement(inertial, "mass", value=repr(float(model.body_mass[body])))
-        entries = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
         etree.SubElement(
             inertial,
             "inertia",
-            {key: repr(float(0.5 * (inertia[at] + inertia[at[::-1]]))) for key, at in entries.items()},
+            {key: repr(float(0.5 * (inertia[at] + inertia[at[::-1]]))) for key, at in ENTRIES.items()},
         )
     turn, place = _matrix(mujoco, model.body_quat[body]), np.array(model.body_pos[body])
     parent = names.bodies[model.body_parentid[body]]

@@ -10,6 +10,9 @@ from scipy.optimize import nnls
 from asmc_pin._typing import Array
 from asmc_pin.arms.urdf.magnitudes import INERTIA, MASS
 
+ENTRIES = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
+"""Where each attribute of ``<inertia>`` stands in the tensor."""
+
 # Relative to the largest principal moment: exporters print some ten digits.
 _TOLERANCE = 1e-9
 

@@ -10,14 +10,14 @@ from xml.parsers import expat
 
 from lxml import etree
 
-from asmc_pin.arms.reading_options import Reading
-from asmc_pin.arms.robot_files import RobotFiles
+from asmc_pin.arms.sources.reading_options import Reading
+from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.arms.urdf.mjcf_conversion import MjcfModel, can_convert, converted
 from asmc_pin.arms.urdf.xacro_expansion import expand, name_meshes_by_package
 from asmc_pin.arms.urdf.xml_encoding import decode_xml, with_known_version, without_declared_encoding
 from asmc_pin.disk.reading import read_file, shown
 from asmc_pin.errors import ArmError, ParameterError
-from asmc_pin.words.provisos import Proviso
+from asmc_pin.words.provisos import CONVERTED_MJCF, Proviso
 from asmc_pin.words.text import printable
 
 LARGEST = 20_000_000
@@ -198,6 +198,12 @@ def read_document(path: Path, reading: Reading | None = None) -> Document:
     expanded = _is_xacro(root)
     if expanded:
         reading = Reading(RobotFiles(path.resolve().parent)) if reading is None else reading
+        if not reading.run_xacro:
+            raise ArmError(
+                path,
+                f"{shown(path)}: a xacro file is a program, and where somebody else's file may name it, none is run. "
+                "Expand it yourself (xacro FILE > FILE.urdf) and name the URDF",
+            )
         text, proviso = expand(path, reading.xacro, reading.files)
         provisos = (proviso,)
         root = _parsed(path, text)
@@ -209,7 +215,7 @@ def read_document(path: Path, reading: Reading | None = None) -> Document:
     changed = _drop_namespaces(root)
     mjcf = converted(path) if root.tag in _MJCF and can_convert() else None
     if mjcf is not None:
-        provisos = (*provisos, Proviso("converted MJCF", f"{printable(path.name)}, as MuJoCo reads it", headline=False))
+        provisos = (*provisos, Proviso(CONVERTED_MJCF, f"{printable(path.name)}, as MuJoCo reads it"))
         text, expanded = mjcf.text, True
         root = _parsed(path, text)
     _recognise(path, root, expanded)

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from asmc_pin.arms.registry import nearest
-from asmc_pin.arms.robot_files import RobotFiles, declared_package
+from asmc_pin.arms.sources.robot_files import RobotFiles, declared_package
 from asmc_pin.disk.reading import shown
 from asmc_pin.errors import ArmError, ParameterError
-from asmc_pin.words.provisos import Proviso
+from asmc_pin.words.provisos import EXPANDED_XACRO, Proviso
 from asmc_pin.words.text import printable
 
 _MOST_PACKAGES = 100
@@ -80,7 +80,7 @@ def expand(path: Path, arguments: Mapping[str, str], files: RobotFiles) -> tuple
         told = f"no argument '{printable(unknown[0])}' in {printable(path.name)}; {nearest(unknown[0], known)}"
         raise ParameterError("xacro", told)
     text: str = dom.toxml()
-    return text, Proviso("expanded xacro", _provenance(path, arguments, read), headline=False)
+    return text, Proviso(EXPANDED_XACRO, _provenance(path, arguments, read))
 
 
 def name_meshes_by_package(root: Any, files: RobotFiles) -> None:

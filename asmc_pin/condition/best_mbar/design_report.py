@@ -65,12 +65,15 @@ class DesignLimit:
     case: str
 
 
+PUBLISHED_ROTORS = "the published rotors"
+
+
 @dataclass(frozen=True, eq=False)
 class ArmaturePurchase:
     """How far the least norm would fall if armature were added.
 
     Attributes:
-        where: A joint, or ``every joint``.
+        where: A joint, ``every joint``, or `PUBLISHED_ROTORS`.
         armature: Added, shape (nv,), kg·m².
         norm: Least norm that could then be designed.
     """
@@ -270,7 +273,7 @@ class DesignReport(Shown):
     def reasons(self, *, with_mbar: bool = True) -> list[str]:
         """What is proven, what limits M̄, and what would help; a line per finding, M̄ itself among them if asked."""
         if self.mbar is None:
-            return [*self._put_together(), *self._limits()]
+            return [*self._put_together(), *self._limits(), *(_bought(item) for item in self.armature_buys)]
         assert self.check is not None
         lines = [
             *([f"not all was done: {self.unfinished}"] if self.unfinished else []),
@@ -283,11 +286,7 @@ class DesignReport(Shown):
         if len(self.trade_off) > 1:
             curve = ", ".join(f"{point.norm:.5g} / {point.bandwidth:.4g}" for point in self.trade_off)
             lines.append(f"trade-off, norm / λ_min(M⁻¹M̄), from least norm to largest bandwidth: {curve}")
-        lines += [
-            f"armature of {_list(item.armature)} kg·m² more on {printable(item.where)} would allow a norm of "
-            f"{item.norm:.5g}"
-            for item in self.armature_buys
-        ]
+        lines += [_bought(item) for item in self.armature_buys]
         if self.weighted is not None:
             other = self.weighted
             lines.append(
@@ -328,6 +327,18 @@ class DesignReport(Shown):
 
 def _point(point: DesignPoint) -> dict[str, Any]:
     return {"norm": point.norm, "bandwidth": point.bandwidth, "mbar": point.mbar.tolist()}
+
+
+def _bought(item: ArmaturePurchase) -> str:
+    if item.where == PUBLISHED_ROTORS:
+        return (
+            f"with the published rotors, {_list(item.armature)} kg·m², a norm of {item.norm:.5g} would be possible: "
+            "load the arm with armature 'published'"
+        )
+    return (
+        f"armature of {_list(item.armature)} kg·m² more on {printable(item.where)} would allow a norm of "
+        f"{item.norm:.5g}"
+    )
 
 
 def _list(values: Array) -> str:

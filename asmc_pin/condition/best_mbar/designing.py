@@ -10,9 +10,14 @@ import numpy as np
 from asmc_pin.clock import Clock
 from asmc_pin.condition.best_mbar.by_branch import Designed, blocks_of, exchange_all
 from asmc_pin.condition.best_mbar.convex_program import Bounds, Form
-from asmc_pin.condition.best_mbar.design_report import DesignBranch, DesignPoint, DesignReport
+from asmc_pin.condition.best_mbar.design_report import ArmaturePurchase, DesignBranch, DesignPoint, DesignReport
 from asmc_pin.condition.best_mbar.exchange import ROUNDS, DesignProgress, Pace
-from asmc_pin.condition.best_mbar.limits_of_mbar import limits_of, other_condition, what_armature_buys
+from asmc_pin.condition.best_mbar.limits_of_mbar import (
+    limits_of,
+    other_condition,
+    what_armature_buys,
+    what_published_rotors_buy,
+)
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases
 from asmc_pin.condition.domain.joint_box import BoxLike
 from asmc_pin.condition.norm.two_conditions import Condition, check_condition
@@ -100,8 +105,13 @@ def design(
     least = exchange_all(blocks, condition, limits, pace=pace)
     assert least is not None
     missing = _not_met(least, f"a better M̄ than that of {least.rounds} programs", pace)
+    rotors: tuple[ArmaturePurchase, ...] = ()
+    if explain and pace.left() > 0.0:
+        # First of all that explains: where they are known they help most, and the program with them is quick.
+        pace.doing = "what the published rotors buy"
+        rotors = what_published_rotors_buy(all_cases, condition, limits, seed, pace)
     if least.bound >= 1.0:
-        return _infeasible(all_cases, condition, objective, form, limits, least, clock.seconds())
+        return _infeasible(all_cases, condition, objective, form, limits, least, clock.seconds(), rotors)
     ceiling = 1.0 - MARGIN * (1.0 - least.norm) if level is None else level
     fastest = None
     wanted = objective == "bandwidth" or (explain and least.norm < 1.0)
@@ -115,14 +125,14 @@ def design(
     elif chosen is not None and chosen is not least:
         missing += _not_met(chosen, f"a larger bandwidth than that of {chosen.rounds} programs", pace)
     if chosen is None:
-        return _infeasible(all_cases, condition, objective, form, limits, least, clock.seconds())
+        return _infeasible(all_cases, condition, objective, form, limits, least, clock.seconds(), rotors)
     mbar = chosen.mbar
     ranges: dict[str, Any] = {"box": box, "payload": payload, "armature": armature, "lock": lock}
     # Where time is up, the search that checks is as light as those of a round, and says so itself.
     samples, starts = (2**16, 128) if pace.left() > 0.0 else (2**12, 16)
     check = verify(arm, mbar, condition=condition, seed=seed + 1000, samples=samples, starts=starts, **ranges)
     curve = [point_of(least)]
-    extra: dict[str, Any] = {}
+    extra: dict[str, Any] = {"armature_buys": rotors}
     if explain and least.norm < 1.0:
         for share in _TRADE_OFF:
             between = 1.0 - share * (1.0 - least.norm)
@@ -132,7 +142,7 @@ def design(
                     curve.append(point_of(found))
         if pace.left() > 0.0:
             pace.doing = "what armature buys"
-            extra["armature_buys"] = what_armature_buys(all_cases, condition, limits, least, seed, pace)
+            extra["armature_buys"] += what_armature_buys(all_cases, condition, limits, least, seed, pace)
         if condition == "lemma1" and pace.left() > 0.0:
             pace.doing = "the weighted condition"
             extra["weighted"] = other_condition(all_cases, limits, mbar, seed, pace)
@@ -223,6 +233,7 @@ def _infeasible(
     limits: Bounds,
     least: Designed,
     seconds: float,
+    rotors: tuple[ArmaturePurchase, ...],
 ) -> DesignReport:
     return DesignReport(
         hypotheses=hypotheses_of(all_cases, None, condition),
@@ -240,4 +251,5 @@ def _infeasible(
         branches=branches_of(all_cases, least),
         limits=limits_of(all_cases, condition, least),
         by_armature=least.by_armature,
+        armature_buys=rotors,
     )

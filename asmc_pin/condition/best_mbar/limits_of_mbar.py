@@ -8,9 +8,16 @@ from dataclasses import replace
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.arms.published_armature import PUBLISHED_ARMATURE
 from asmc_pin.condition.best_mbar.by_branch import Designed, blocks_of, exchange_all
 from asmc_pin.condition.best_mbar.convex_program import Bounds
-from asmc_pin.condition.best_mbar.design_report import ArmaturePurchase, DesignLimit, DesignPoint, WeightedDesign
+from asmc_pin.condition.best_mbar.design_report import (
+    PUBLISHED_ROTORS,
+    ArmaturePurchase,
+    DesignLimit,
+    DesignPoint,
+    WeightedDesign,
+)
 from asmc_pin.condition.best_mbar.exchange import Pace
 from asmc_pin.condition.domain.arm_ranges import Case
 from asmc_pin.condition.norm import compiled_norms
@@ -100,6 +107,21 @@ def what_armature_buys(
         if outcome is not None:
             found.append(ArmaturePurchase(where, added, outcome.norm))
     return tuple(found)
+
+
+def what_published_rotors_buy(
+    all_cases: Sequence[Case], condition: Condition, bounds: Bounds, seed: int, pace: Pace
+) -> tuple[ArmaturePurchase, ...]:
+    """The least norm with the rotors that are published of this arm, where it has none so far."""
+    arm = all_cases[0].domain.arm
+    entry = arm.made_of.entry
+    known = PUBLISHED_ARMATURE.get(entry.name) if entry is not None else None
+    if known is None or any(np.any(case.domain.armature_upper > 0.0) for case in all_cases):
+        return ()
+    rotors = np.array([known.armature.get(name, 0.0) for name in arm.joint_names])
+    domains = [replace(case.domain, armature_lower=rotors, armature_upper=rotors) for case in all_cases]
+    outcome = exchange_all(blocks_of(domains, bounds, seed), condition, bounds, pace=pace)
+    return () if outcome is None else (ArmaturePurchase(PUBLISHED_ROTORS, rotors, outcome.norm),)
 
 
 def other_condition(

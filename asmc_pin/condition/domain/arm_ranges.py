@@ -104,6 +104,8 @@ def armature_range(arm: Arm, armature: ArmatureRange) -> tuple[Array, Array]:
     """Ends of the armature's range of an arm, each of shape (nv,), kg·m²."""
     if armature is None:
         return arm.armature, arm.armature
+    if isinstance(armature, str):
+        raise ParameterError("armature", f"{armature!r}: give it to load_arm, as load_arm(…, armature={armature!r})")
     items: list[Any]
     if isinstance(armature, Mapping):
         unknown = [joint for joint in armature if joint not in arm.joint_names]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from asmc_pin._typing import Array
-from asmc_pin.arms.robot_files import RobotFiles
+from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.viewer.drawing.surface import join
 from asmc_pin.viewer.drawing.visuals import read_visuals
 

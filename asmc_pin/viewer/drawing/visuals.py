@@ -13,7 +13,7 @@ import numpy as np
 from lxml import etree
 
 from asmc_pin._typing import Array
-from asmc_pin.arms.robot_files import RobotFiles
+from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.viewer.drawing.meshes import load_mesh
 from asmc_pin.viewer.drawing.surface import PLAIN, Surface, painted
 from asmc_pin.words.text import as_number, printable

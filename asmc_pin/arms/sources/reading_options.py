@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from asmc_pin.arms.robot_files import RobotFiles
+from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.disk.reading import user_path
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.text import printable
@@ -22,11 +22,13 @@ class Reading:
 
     Attributes:
         files: Where packages and meshes are looked for.
-        xacro: Values of a xacro file's arguments; None where none were given.
+        xacro: Values of a xacro file's arguments.
+        run_xacro: Whether a xacro file may be expanded, which runs what it says.
     """
 
     files: RobotFiles
     xacro: Mapping[str, str] = field(default_factory=dict)
+    run_xacro: bool = True
 
 
 def read_packages(package: Packages | None) -> dict[str, Path]:
