@@ -71,7 +71,7 @@ def test_ctrl_c_is_130_ends_the_workers_and_loses_no_block(tmp_path):
         arguments, env=environment(), cwd=tmp_path, stderr=subprocess.PIPE, text=True, start_new_session=True
     )
     try:
-        deadline = time.monotonic() + 120
+        deadline = time.monotonic() + 280
         while len(list(tmp_path.glob("results/*/rows/*.parquet"))) < 2:
             assert time.monotonic() < deadline
             assert process.poll() is None
