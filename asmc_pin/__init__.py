@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from asmc_pin.arms import load_arm as load_arm
     from asmc_pin.arms.arm_options import Unchanged as Unchanged
     from asmc_pin.arms.sources.robot_files import RobotFiles as RobotFiles
+    from asmc_pin.arms.urdf.urdf_reading import Mimic as Mimic
     from asmc_pin.baselines import BASELINES as BASELINES
     from asmc_pin.baselines import ModelLaw as ModelLaw
     from asmc_pin.condition import Bound as Bound
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from asmc_pin.condition import verify as verify
     from asmc_pin.condition import weighted_norm as weighted_norm
     from asmc_pin.condition.best_mbar.design_report import ArmaturePurchase as ArmaturePurchase
+    from asmc_pin.condition.best_mbar.design_report import DesignBranch as DesignBranch
     from asmc_pin.condition.best_mbar.design_report import DesignLimit as DesignLimit
     from asmc_pin.condition.best_mbar.design_report import DesignPoint as DesignPoint
     from asmc_pin.condition.best_mbar.design_report import DesignReport as DesignReport
@@ -50,6 +52,7 @@ if TYPE_CHECKING:
     from asmc_pin.condition.hypotheses import Carried as Carried
     from asmc_pin.condition.hypotheses import Hypotheses as Hypotheses
     from asmc_pin.condition.hypotheses import Premises as Premises
+    from asmc_pin.condition.search.what_would_help import WhatWouldHelp as WhatWouldHelp
     from asmc_pin.controllers import CONTROLLERS as CONTROLLERS
     from asmc_pin.controllers import AdaptiveState as AdaptiveState
     from asmc_pin.controllers import Choice as Choice

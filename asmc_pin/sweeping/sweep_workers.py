@@ -60,7 +60,7 @@ def block_results(plan: SweepPlan, blocks: Sequence[range], workers: int) -> Ite
 
 
 def _run_block(plan: SweepPlan, block: range, parent: int) -> tuple[range, bytes, str | None]:
-    """In a worker: the rows of a block, or what is wrong: our errors do not travel by pickle."""
+    """In a worker: the rows of a block, or what is wrong: our errors do not travel between processes."""
     _end_with(parent)
     if plan.key not in _here:
         _here.clear()
