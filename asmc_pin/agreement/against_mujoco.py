@@ -159,6 +159,7 @@ def _run(arm: Arm, q: Array, v: Array, torque: Array, step: float) -> Array:
         effort_limit=np.inf,
         speed_bound=np.inf,
         error_bound=np.inf,
+        engine="pinocchio",  # it is Pinocchio that is held against MuJoCo
     )
     law = Playback(torque, step)
     run = rollout(free, law, Nowhere(arm.nv), len(torque) * step, batch=len(q), q0=q, v0=v)

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 from arm_urdf import LIMIT, bodies, inertial, joint, link, robot, trees, two_joints, write
@@ -115,7 +116,6 @@ def test_gripper_and_parallelogram_are_the_same_in_mujoco(tmp_path: Path) -> Non
 
 
 def test_a_mimic_joint_is_mujocos_coupling_in_the_limit_of_its_stiffness(tmp_path: Path) -> None:
-    mujoco = pytest.importorskip("mujoco")
     arm = load_arm(write(tmp_path, coupled_tree(np.random.default_rng(1), joints=5, followers=2)))
     names = list(arm.model.names)[1:]
     q, v, torque = np.random.default_rng(2).uniform(-1.0, 1.0, (3, arm.nv))

@@ -141,6 +141,8 @@ def _drop_namespaces(root: Any) -> bool:
         for key in [key for key in element.attrib if ":" in key.rpartition("}")[2]]:
             del element.attrib[key]
             changed = True
+    # A prefix that nobody uses may stand for anything, which the next reader of the tree would judge.
+    etree.cleanup_namespaces(root)
     return changed
 
 
