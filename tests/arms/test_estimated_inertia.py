@@ -192,7 +192,6 @@ def test_an_estimate_is_marked_wherever_the_arm_appears(tmp_path: Path, capsys: 
     result = check(certify(arm, 5.0, budget=30.0, gap=0.9).save(tmp_path / "a.cert"))
     assert (result.valid, result.verdict) == (True, "holds")
     assert "Estimated inertia: as the certificate's maker says: 10 kg over 2 links" in str(result)
-    pytest.importorskip("mujoco")
     assert agree(load_arm(path, estimate_inertia=10.0)).verdict == "agrees"
     options = ["--mbar", "1", "--samples", "10", "--json", "--estimate-inertia", "upper=8"]
     with pytest.raises(SystemExit):

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
 from asmc_pin import load_arm
 from asmc_pin.arms.urdf import mjcf_conversion, urdf_document
 from asmc_pin.errors import ArmError
-
-mujoco = pytest.importorskip("mujoco")
 
 INERTIAL = '<inertial mass="2" pos="0.1 0.02 -0.03" quat="0.9 0.1 0.3 -0.2" diaginertia="0.03 0.02 0.015"/>'
 ARM = f"""
