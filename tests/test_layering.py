@@ -276,7 +276,7 @@ def test_every_room_says_what_comes_in_and_what_goes_out() -> None:
     for folder, count in folders():
         if count and folder not in ("asmc_pin", "asmc_pin/cli/commands"):
             told = " ".join(docstring(folder.replace("/", ".")))
-            assert re.search(r"\b[Ii]n comes? .*\bout (go|goes|come|comes) ", told), folder
+            assert re.search(r"\bTakes .*; gives ", told), folder
 
 
 def test_no_two_files_have_one_name() -> None:

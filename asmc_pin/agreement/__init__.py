@@ -1,7 +1,6 @@
 """An arm against an independent engine: MuJoCo reads the same URDF, and has to say the same (docs/agreement.md).
 
-In comes an arm, out goes how far the two engines differ, and where. May import `arms`, `controllers`, `plant` and the
-engine.
+Takes an arm; gives how far the two engines differ, and where. May import `arms`, `controllers`, `plant` and the engine.
 """
 
 from __future__ import annotations

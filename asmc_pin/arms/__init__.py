@@ -1,7 +1,7 @@
 """Arms: a URDF in, mass matrix, Coriolis, gravity, limits and friction out. Pinocchio and yourdfpy live here.
 
-In comes a URDF, xacro file, MJCF file or name with what is changed about it, out goes an `Arm`. May import `rigid_body`
-and what is open to all.
+Takes a URDF, xacro file, MJCF file or name with what is changed about it; gives an `Arm`. May import `rigid_body` and
+what is open to all.
 """
 
 from __future__ import annotations

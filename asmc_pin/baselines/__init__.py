@@ -1,6 +1,6 @@
 """Laws that know the model, to compare with: a family of its own, marked as such wherever they appear.
 
-In come an arm, samples and set points, out goes torque. They are the only laws that may see an arm; may import `arms`,
+Takes an arm, samples and set points; gives torque. They are the only laws that may see an arm; may import `arms`,
 `controllers` and `parameters`.
 """
 

@@ -1,7 +1,7 @@
 """The condition on M̄: evaluated (`norm`), searched (`search`), designed for (`best_mbar`), proven (`certificate`).
 
-In come an arm and M̄, out go verdicts with their hypotheses. What is proven is replayed by `checker`, which shares
-nothing with the prover but the reader of its file. May import `arms` and `references`.
+Takes an arm and M̄; gives verdicts with their hypotheses. What is proven is replayed by `checker`, which shares nothing
+with the prover but the reader of its file. May import `arms` and `references`.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Control laws: frozen parameters plus explicit state, on batches of trials, blind to the arm that they drive.
 
-In come samples and set points, out goes torque. May import numpy, numba, `parameters`, `numerics` and what is open to
-all. A law of your own: docs/controllers.md; one in the package: docs/extending.md.
+Takes samples and set points; gives torque. May import numpy, numba, `parameters`, `numerics` and what is open to all. A
+law of your own: docs/controllers.md; one in the package: docs/extending.md.
 """
 
 from __future__ import annotations

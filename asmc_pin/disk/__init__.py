@@ -1,4 +1,4 @@
 """Files: read within bounds, written whole or not at all, found in a wheel and in a checkout.
 
-In come paths, out go text, bytes and folders. May import `errors` and `words`.
+Takes paths; gives text, bytes and folders. May import `errors` and `words`.
 """

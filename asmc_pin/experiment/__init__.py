@@ -1,7 +1,7 @@
 """Experiments: TOML files that say which controllers follow which motion on which arm (docs/experiments.md).
 
-In comes a file or a dictionary; out come every mistake in it, or the arm, plant, reference and controllers. May import
-the rooms that make these; steps no dynamics.
+Takes a file or a dictionary; gives every mistake in it, or the arm, plant, reference and controllers. May import the
+rooms that make these; steps no dynamics.
 """
 
 from __future__ import annotations

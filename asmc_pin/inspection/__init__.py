@@ -1,7 +1,7 @@
 """What was read of a URDF, and what is doubtful about it: `inspect`, and the doubts that loading commands print.
 
-In comes a name or a path with the options of `load_arm`, out goes an `Inspection`, for refused arms too. May import
-`arms` and `viewer`, which draws; steps no dynamics.
+Takes a name or a path with the options of `load_arm`; gives an `Inspection`, for refused arms too. May import `arms`
+and `viewer`, which draws; steps no dynamics.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """What a comparison measures: each metric once, with its formula, unit and source (docs/metrics.md).
 
-In comes a rollout, out comes one number per trial and joint. Metrics are computed from what the plant did, never from
-what a controller says of itself. May import numpy, the engine's record of a run and what is open to all.
+Takes a rollout; gives one number per trial and joint. Metrics are computed from what the plant did, never from what a
+controller says of itself. May import numpy, the engine's record of a run and what is open to all.
 """
 
 # In the order of the tables: a metric is registered when its file is imported.

@@ -1,7 +1,7 @@
 """The theorems of Baek (2016) along a run, held against what only the plant knows (docs/monitors.md).
 
-In come a rollout, its plant and its law, out go verdicts with reasons and the arrays behind them. May import
-`condition`, `plant`, `controllers` and the engine.
+Takes a rollout, its plant and its law; gives verdicts with reasons and the arrays behind them. May import `condition`,
+`plant`, `controllers` and the engine.
 """
 
 from __future__ import annotations

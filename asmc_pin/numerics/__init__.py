@@ -1,5 +1,5 @@
 """Small dense algebra, compiled: Cholesky, triangular solves, eigenvalues of matrices of a few rows.
 
-In come arrays and scratch arrays, out go results in place, without allocation. Imports nothing of the package; the
-checker of certificates has arithmetic of its own.
+Takes arrays and scratch arrays; gives results in place, without allocation. Imports nothing of the package; the checker
+of certificates has arithmetic of its own.
 """

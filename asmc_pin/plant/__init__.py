@@ -1,6 +1,6 @@
 """Ground truth: Pinocchio's dynamics with friction, drives, sensors and a world, for a batch of trials in lockstep.
 
-In come torques at control ticks, out go motion and samples. May import `arms`, `rigid_body`, `parameters`, and of the
+Takes torques at control ticks; gives motion and samples. May import `arms`, `rigid_body`, `parameters`, and of the
 controllers what it exchanges with them.
 """
 

@@ -1,7 +1,7 @@
 """Trajectories to follow: position, velocity and acceleration in closed form, in rad, rad/s and rad/s².
 
-In come parameters, or a file, and times, out go set points. May import `arms`, `parameters`, and of the controllers
-what a set point is.
+Takes parameters, or a file, and times; gives set points. May import `arms`, `parameters`, and of the controllers what a
+set point is.
 """
 
 from __future__ import annotations

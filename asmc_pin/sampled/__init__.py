@@ -1,7 +1,7 @@
 """The sampled closed loop: its exact linear map, where it is stable, and what margins and errors it has.
 
-In come an arm, M̄ and gains, out go margins, predicted errors and suggested gains. May import `condition`,
-`controllers`, `references` and `numerics`.
+Takes an arm, M̄ and gains; gives margins, predicted errors and suggested gains. May import `condition`, `controllers`,
+`references` and `numerics`.
 """
 
 from asmc_pin.sampled.error_prediction import (

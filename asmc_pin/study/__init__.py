@@ -1,6 +1,6 @@
 """Studies: controllers compared on one motion, refined, tuned, and looked at.
 
-In come experiments, out go comparisons and their folders. May import all rooms but `reproduction` and `cli`.
+Takes experiments; gives comparisons and their folders. May import all rooms but `reproduction` and `cli`.
 """
 
 from __future__ import annotations

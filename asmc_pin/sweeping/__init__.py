@@ -1,6 +1,6 @@
 """Sweeps: many trials of an experiment, whose plants, motions and gains vary as ``[sweep]`` says (docs/sweeps.md).
 
-In comes an experiment and a number of draws, out go rows in Parquet, comparisons and a page. May import all rooms but
+Takes an experiment and a number of draws; gives rows in Parquet, comparisons and a page. May import all rooms but
 `reproduction` and `cli`; processes for the workers are started here alone.
 """
 

@@ -1,6 +1,6 @@
 """Motion in the browser: Meshcat scenes in one page that opens offline, or is served to this machine alone.
 
-In come an arm and recorded motions, out go pages. May import `arms`, `experiment`, `metrics` and `results`; steps no
+Takes an arm and recorded motions; gives pages. May import `arms`, `experiment`, `metrics` and `results`; steps no
 dynamics.
 """
 

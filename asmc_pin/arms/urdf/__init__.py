@@ -1,5 +1,5 @@
 """A URDF as text and as a tree of joints: reading, checking, merging fixed links.
 
-In comes XML of any quality, out goes a checked structure with inertias as they move, or one message that says what is
-wrong. May import `rigid_body` and what is open to all, and nothing of Pinocchio.
+Takes XML of any quality; gives a checked structure with inertias as they move, or one message that says what is wrong.
+May import `rigid_body` and what is open to all, and nothing of Pinocchio.
 """

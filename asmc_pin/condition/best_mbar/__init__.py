@@ -1,4 +1,4 @@
 """The best M̄ for an arm: a convex program over sampled M(q), exchanged with searches for what it missed.
 
-In come an arm and a domain, out goes a `DesignReport`. May import `search` and the rooms that it may; cvxpy lives here.
+Takes an arm and a domain; gives a `DesignReport`. May import `search` and the rooms that it may; cvxpy lives here.
 """

@@ -1,6 +1,6 @@
 """Proofs of a condition over a joint box: `certify`. The algorithm and why it is sound: docs/certificate.md.
 
-In come an arm, M̄ and ranges, out goes a certificate or a counter-example. May import `norm`, `search`, `domain` and the
+Takes an arm, M̄ and ranges; gives a certificate or a counter-example. May import `norm`, `search`, `domain` and the
 rooms that they may, never `checker`.
 """
 

@@ -1,7 +1,7 @@
 """The independent check of a certificate.
 
-In comes the file, through the reader of it (`condition.certificate.container`); out goes what is proven, about the arm
-that is inside. Nothing else of the prover, nor of the loader of arms, may be imported here: what is shared would not be
+Takes the file, through the reader of it (`condition.certificate.container`); gives what is proven, about the arm that
+is inside. Nothing else of the prover, nor of the loader of arms, may be imported here: what is shared would not be
 checked.
 """
 

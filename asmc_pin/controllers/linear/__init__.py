@@ -1,5 +1,4 @@
 """Laws without a switching term: linear in what the drives report, whatever the motion.
 
-In come samples and set points, out goes torque. May import what `controllers` may; `asmc_pin.controllers` lists the
-laws.
+Takes samples and set points; gives torque. May import what `controllers` may; `asmc_pin.controllers` lists the laws.
 """

@@ -1,5 +1,5 @@
 """What varies from trial to trial: ``[sweep]``, by the paths of an experiment's keys (docs/sweeps.md).
 
-In come an experiment's tables, out go the tables of each trial, and every mistake in ``[sweep]``. May import what
-checks an experiment, and the plant's random numbers; builds nothing.
+Takes an experiment's tables; gives the tables of each trial, and every mistake in ``[sweep]``. May import what checks
+an experiment, and the plant's random numbers; builds nothing.
 """

@@ -1,4 +1,4 @@
 """What a drive reports: quantised and noisy angles and velocities. Parameters, running state, noise of a trial.
 
-In comes the true state, out goes a `Sample`'s content. May import `parameters` and what is open to all.
+Takes the true state; gives a `Sample`'s content. May import `parameters` and what is open to all.
 """

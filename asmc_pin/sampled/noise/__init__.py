@@ -1,5 +1,5 @@
 """What a drive's sensors do to the sampled loop: torque and error of their noise, and what would lessen it.
 
-In come a loop, frozen arms and how angles and velocities are measured, out go RMS values, bounds and advice. May import
+Takes a loop, frozen arms and how angles and velocities are measured; gives RMS values, bounds and advice. May import
 the rest of `sampled` and what it may.
 """

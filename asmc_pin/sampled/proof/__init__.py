@@ -1,5 +1,5 @@
 """Proofs of the frozen sampled loop: over a joint box, and about rest under gravity.
 
-In come an arm and the plain loop, out comes what is proven, with a certificate. May import `condition` and the loop's
+Takes an arm and the plain loop; gives what is proven, with a certificate. May import `condition` and the loop's
 parameters; the checker derives the same by its own means.
 """

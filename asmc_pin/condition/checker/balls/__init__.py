@@ -1,5 +1,5 @@
 """The third leg: rigorous ball arithmetic from the URDF's decimals to the condition itself.
 
-In come the URDF's numbers and points or small boxes; out go enclosures of the condition. Knows nothing of the bounds of
+Takes the URDF's numbers and points or small boxes; gives enclosures of the condition. Knows nothing of the bounds of
 `boxes`, so that neither can hide the other's mistakes.
 """
