@@ -17,7 +17,7 @@ from asmc_pin.arms.payload import Payload
 from asmc_pin.arms.registry import ArmEntry
 from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.arms.urdf.urdf_reading import Mimic, Robot
-from asmc_pin.errors import ArmError
+from asmc_pin.errors import ArmError, ParameterError
 from asmc_pin.rigid_body.leading_axes import joint_rows
 from asmc_pin.rigid_body.tree import Tree
 from asmc_pin.words.provisos import Proviso
@@ -268,7 +268,16 @@ class Arm(Shown):
 
         Returns:
             Shape (..., nv, 10 links + nv).
+
+        Raises:
+            ParameterError: a joint mimics another: Pinocchio's regressor knows no such joint.
         """
+        if self.mimics:
+            raise ParameterError(
+                "arm",
+                "has joints that mimic others, for which there is no regressor; lock the joint that they follow, or "
+                "take a law that needs none",
+            )
         still = np.zeros(self.nv)
 
         def rows(model: pin.Model, data: pin.Data, q: Array, v: Array, v_r: Array, a_r: Array) -> Array:

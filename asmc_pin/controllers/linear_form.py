@@ -14,8 +14,9 @@ from asmc_pin._typing import Array, BoolArray
 from asmc_pin.controllers.one_trial.state_rows import as_rows, from_rows
 from asmc_pin.controllers.protocol import Sample, Setpoint
 
-NEAR, FAR = 1e-9, 1e6
-"""Sizes of the readings at which a law is asked: inside any boundary layer, and beyond it."""
+NEAR, NEARER, FAR = 1e-9, 1e-60, 1e6
+"""Sizes of the readings at which a law is asked: inside a boundary layer, inside one of gains or a period that a search
+has made extreme, and beyond any."""
 
 READINGS = 3  # angle, velocity, torque of the last period
 _TOLERANCE = 1e-5

@@ -221,13 +221,19 @@ def check_readable(path: str | Path, what: str) -> None:
         raise ResultError(path, f"cannot read {what} {path}: {os.strerror(number)}")
 
 
+_INPUTS = frozenset({".urdf", ".xacro", ".xml", ".toml", ".csv", ".py", ".stl", ".dae", ".obj"})
+"""Endings of files that people wrote: a page or a certificate never takes the place of one."""
+
+
 def check_writable(path: str | Path) -> None:
     """Say that a file cannot be written before long work is done for it.
 
     Raises:
-        ResultError: Its folder is missing or closed, or a folder is in its place.
+        ResultError: Its folder is missing or closed, a folder is in its place, or somebody's input is.
     """
     target = Path(os.path.realpath(path))
+    if target.is_file() and target.suffix.lower() in _INPUTS:
+        raise ResultError(path, f"{path} is there and, by its ending, an input that is not ours; give another name")
     number = 0
     if target.is_dir():
         number = errno.EISDIR

@@ -40,7 +40,12 @@ class Critical:
         self.mass, self.stiffness = arms.mass(self.points), arms.stiffness(self.points)
 
     def radius(self, loop: SampledLoop) -> float:
-        """Largest spectral radius over the points; over the first few where a long delay makes the map large."""
+        """Largest spectral radius over the points; over the first few where a long delay makes the map large.
+
+        Infinite where there is no such loop.
+        """
+        if not loop.possible:
+            return math.inf
         return float(self.radii(loop).max())
 
     def radii(self, loop: SampledLoop) -> Array:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.controllers import CONTROLLERS, TdeLaw, parameters_of
-from asmc_pin.controllers.linear_form import LinearForm, linear_form
+from asmc_pin.controllers.linear_form import NEARER, LinearForm, linear_form
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Acceleration as Acceleration
 from asmc_pin.words.choices import Pairing as Pairing
@@ -87,16 +87,25 @@ class SampledLoop:
         if self.law is not None and linear_form(self.law, self.nv) is None:
             raise ParameterError(
                 "law",
-                f"{type(self.law).__name__} is not linear near its set point, it switches; of its loop only that of "
+                f"'{law_name(self.law)}' is not linear near its set point, it switches; of its loop only that of "
                 "PPC can be analysed, which is what stands there without a law",
             )
 
     @cached_property
     def form(self) -> LinearForm:
         """The law with the loop's M̄, K_s, β and period, as a linear system."""
-        form = linear_form(self.law.with_loop(self.mbar, self.ks, self.beta, self.period), self.nv)
+        law = self.law.with_loop(self.mbar, self.ks, self.beta, self.period)
+        form = linear_form(law, self.nv) or linear_form(law, self.nv, NEARER)
         assert form is not None
         return form
+
+    @cached_property
+    def possible(self) -> bool:
+        """Whether the law takes the loop's values: some bear no gain beyond what a period allows."""
+        try:
+            return self.law is None or self.form is not None
+        except ParameterError:
+            return False
 
     def words(self) -> str:
         """All of it for a person to read."""

@@ -176,9 +176,9 @@ class StabilityReport(Shown):
     def lines(self) -> list[str]:
         """The report in plain words: the verdict, what it is about, and a line per finding."""
         found = "stable where searched" if self.stable else "UNSTABLE"
+        worth = "what is proven stands below" if self.proof is not None else "a search refutes, it proves nothing"
         text = [
-            f"{self.about.title}: the sampled loop is {found} ({self.configurations} configurations; a "
-            "search refutes, it proves nothing)",
+            f"{self.about.title}: the sampled loop is {found} ({self.configurations} configurations; {worth})",
             *self.about.lines(),
             f"Gravity: ({', '.join(f'{x:g}' for x in self.gravity)}) m/s² in the base frame",
             f"Loop: {self.loop.words()}",

@@ -23,7 +23,7 @@ def sensitivity_lines(experiment: Experiment, rows: pd.DataFrame) -> list[str]:
     joints, told = list(dict.fromkeys(rows.joint)), []
     for label, moves, count in zip(labels_of(rows), sensitivity(rows, "rms_error"), failed, strict=True):
         if count and not np.isfinite(moves).all():
-            told.append(f"{label}, of which {count} of {trials} trials diverged")
+            told.append(f"{label} by more than can be said, as {count} of {trials} trials diverged")
         else:
             worst = int(np.argmax(moves))
             told.append(f"{label} by {100.0 * moves[worst]:.2g} % ({joints[worst]})")
@@ -45,5 +45,5 @@ def torque_rate_lines(experiment: Experiment, rows: pd.DataFrame) -> list[str]:
         ran[bool(np.all(own == 0.0))].append(label)
     robot = f"a {', '.join(f'{x:g}' for x in limit)} N·m/s robot"
     parts = [f"{', '.join(ran[True])} would have run on {robot} in every trial"] if ran[True] else []
-    parts += [f"{', '.join(ran[False])} would not have run on {robot}"] if ran[False] else []
+    parts += [f"{', '.join(ran[False])} would have tripped {robot} in at least one"] if ran[False] else []
     return [f"torque rate: {'; '.join(parts)}"]

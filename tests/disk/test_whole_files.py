@@ -15,6 +15,8 @@ import pytest
 from processes import ROOT, command, environment
 from short_experiment import SHORT
 
+from asmc_pin.arms import load_arm
+from asmc_pin.cli.entry import main
 from asmc_pin.disk.files import check_writable, remove_leftovers, whole_folder, write_whole
 from asmc_pin.errors import ResultError
 from asmc_pin.results.result_folder import check_target
@@ -254,3 +256,22 @@ def test_nothing_else_in_the_package_writes_to_a_place_of_the_users():
         text = path.read_text(encoding="utf-8")
         writes = [word for word in (".write_text(", ".write_bytes(", "copyfile(", ".savefig(Path") if word in text]
         assert not writes or path.relative_to(ROOT / "asmc_pin").as_posix() in within_a_whole_folder, (path, writes)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("inspect", "arm.urdf", "--html", "arm.urdf"),
+        ("verify", "arm.urdf", "--mbar", "0.05", "--certify", "--certificate", "arm.urdf"),
+        ("bounds", "arm.urdf", "--certificate", "arm.urdf"),
+    ],
+)
+def test_an_output_never_takes_the_place_of_an_input(tmp_path, monkeypatch, capsys, words):
+    monkeypatch.chdir(tmp_path)
+    text = load_arm("two_link").urdf_text
+    (tmp_path / "arm.urdf").write_text(text)
+    with pytest.raises(SystemExit) as ended:
+        main(words)
+    assert ended.value.code == 2
+    assert "give another name" in capsys.readouterr().err
+    assert (tmp_path / "arm.urdf").read_text() == text

@@ -10,6 +10,7 @@ import pytest
 from law_oracles import rail, run
 from law_settings import HELD
 
+from asmc_pin.arms import load_arm
 from asmc_pin.cli import main
 from asmc_pin.controllers import CONTROLLERS, Adrc, Barrier, Dob, Implicit, Ism, Ivf, Pid, Ppc, Sta
 from asmc_pin.controllers.linear_form import linear_form, linear_throughout
@@ -163,3 +164,20 @@ def test_the_command_line_takes_a_law_with_its_parameters(capfd: pytest.CaptureF
         status, out, said = asked(*wrong)
         assert (status, out) == (2, "")
         assert message in " ".join(said.split())
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("implicit", {"gain": 20.0, "share": 0.2}),
+        ("bsmc", {"gain": 20.0, "boundary": 0.001}),
+        ("barrier", {"width": 0.05, "limit": 20.0}),
+        ("ivf", {"gain": 5.0}),
+    ],
+)
+def test_an_unstable_loop_of_a_law_with_a_band_or_a_bound_has_a_remedy(name, settings):
+    """The search for it makes gains and period extreme: a band becomes narrow, and `ivf` bears no period beyond 2/G."""
+    law = CONTROLLERS[name](mbar=0.05, ks=8.0, beta=8.0, period=0.001, **settings)
+    report = stability(load_arm("two_link"), 0.05, 8.0, 8.0, 0.001, law=law)
+    assert not report.stable
+    assert "remedy:" in "\n".join(report.lines())

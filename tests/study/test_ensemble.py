@@ -215,7 +215,7 @@ def test_a_law_that_a_robot_with_a_torque_rate_limit_would_refuse_is_named(tmp_p
     assert line == "torque rate: PPC, Proposed would have run on a 1e+07 N·m/s robot in every trial"
     strict = experiment(metrics={"torque_rate_limit": 1e-3})
     (line,) = [x for x in compare(strict, out=tmp_path / "b").notes if x.startswith("torque rate")]
-    assert line == "torque rate: PPC, Proposed would not have run on a 0.001 N·m/s robot"
+    assert line == "torque rate: PPC, Proposed would have tripped a 0.001 N·m/s robot in at least one"
     free = experiment(metrics={"torque_rate_limit": float("inf")})
     assert not [x for x in compare(free, out=tmp_path / "c").notes if x.startswith("torque rate")]
 
@@ -241,7 +241,7 @@ def test_three_of_sixteen_trials_that_diverge_are_a_status_and_a_count(tmp_path,
     assert law["rms_error_high"] == [None, None]
     assert law["tool"]["path_accuracy_mm"] is None
     assert any("Proposed diverged in 3 of 16 trials, the first at t = 0.110 s" in line for line in found.warnings)
-    assert any("of Proposed, of which 3 of 16 trials diverged" in line for line in found.notes)
+    assert any("of Proposed by more than can be said, as 3 of 16 trials diverged" in line for line in found.notes)
     row = next(row for row in found.overview().rows if row[0] == "Proposed")
     assert row[-1] == "3 of 16 diverged, the first at 0.11 s"
     assert result_folder.load_result(found.out).summary.status.eq("diverged").sum() == 6

@@ -77,10 +77,13 @@ def controllers(
     if name is None:
         _print("controllers", controller_rows(), as_json)
         return
+    from asmc_pin.baselines import BASELINES
     from asmc_pin.controllers import CONTROLLERS
     from asmc_pin.controllers.law_card import cost_per_tick, law_card, suggested
 
     if name not in CONTROLLERS:
+        if name in BASELINES:
+            raise ParameterError("NAME", f"'{name}' knows the model and has no card: docs/controllers.md has it")
         near = difflib.get_close_matches(name, CONTROLLERS, n=1)
         said = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(CONTROLLERS)}"
         raise ParameterError("NAME", f"there is no card of a law '{name}': {said}")

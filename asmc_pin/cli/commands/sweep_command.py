@@ -36,7 +36,7 @@ def sweep(
     ] = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Run every controller in many trials that vary as [sweep] says; started again, it goes on where it was.
+    """Run every controller in many trials that vary as its table 'sweep' says; started again, it goes on where it was.
 
     It runs the code of a law that the experiment names as 'my_module:MyLaw': do not sweep a stranger's file unread.
     """

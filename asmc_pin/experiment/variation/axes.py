@@ -65,7 +65,8 @@ class VariedKey:
             about = [0.0] * len(about)  # the file's own value has no part in it, and may be missing
         found = self.draw.numbers(draw_generator(seed, number, self.path), about)
         if found is None:
-            raise ValueError(f"of 10000 draws none lies within its bounds, at the file's own value {own!r}")
+            at = "" if self.draw.centre is not None else f", at the file's own value {own!r}"
+            raise ValueError(f"of 10000 draws none lies within its bounds{at}")
         return found if listed else found[0]
 
     def placed(self, data: Mapping[str, Any], quantity: Any) -> Any:

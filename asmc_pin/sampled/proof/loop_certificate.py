@@ -111,7 +111,7 @@ def certify_loop(
             if magnitude > 0.0 and not arm.mimics:
                 pieces, no_gravity = _under_gravity(all_cases, loop, provers, (least, largest), magnitude)
             else:
-                no_gravity = "there is none"
+                no_gravity = "there is none" if magnitude == 0.0 else "its proof knows no joints that mimic others"
     except KeyboardInterrupt:
         pass
     verdict: Literal["stable", "unstable", "undecided"] = "undecided"
