@@ -194,7 +194,7 @@ def dynamics_only(urdf: str) -> str:
     Numbers stay as they are written. Limits, friction, damping and mimics go too: the comparison is of free arms. Links
     get a prefix before their names.
     """
-    root = etree.fromstring(urdf.encode(), etree.XMLParser(encoding="utf-8", resolve_entities=False, no_network=True))
+    root = _tree(urdf)
     for element in root.iter():
         if isinstance(element.tag, str) and element.tag.startswith("{"):
             element.tag = etree.QName(element).localname
@@ -217,16 +217,19 @@ def dynamics_only(urdf: str) -> str:
     return text
 
 
+def _tree(urdf: str) -> Any:
+    return etree.fromstring(urdf.encode(), etree.XMLParser(encoding="utf-8", resolve_entities=False, no_network=True))
+
+
 def _followed(arm: Arm, names: Sequence[str]) -> tuple[Array, Array]:
     """S (n, nv) and the offsets (n,) of the joints by these names: the arm's own reading of the URDF is not used."""
     numbers = {name: i for i, name in enumerate(arm.joint_names)}
-    written = {
-        joint.get("name"): mimic.attrib
-        for joint in etree.fromstring(arm.urdf_text.encode()).iter()
-        if isinstance(joint.tag, str) and etree.QName(joint).localname == "joint"
-        for mimic in joint
-        if isinstance(mimic.tag, str) and etree.QName(mimic).localname == "mimic"
-    }
+    written: dict[str | None, Any] = {}
+    for joint in _tree(arm.urdf_text).iter():
+        if isinstance(joint.tag, str) and etree.QName(joint).localname == "joint":
+            for mimic in joint:
+                if isinstance(mimic.tag, str) and etree.QName(mimic).localname == "mimic":
+                    written.setdefault(joint.get("name"), mimic.attrib)  # of several the first counts
     matrix, offset = np.zeros((len(names), arm.nv)), np.zeros(len(names))
     for k, name in enumerate(names):
         ratio = 1.0
