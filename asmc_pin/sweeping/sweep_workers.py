@@ -25,6 +25,24 @@ _here: dict[str, BlockRows] = {}
 _watching = False
 
 
+@contextmanager
+def _quiet_tracker() -> Iterator[None]:
+    """Let loky's tracker of resources, a process that begins here, not warn of what an interrupted sweep leaves to it.
+
+    It removes these semaphores and folders; that it has to is no news to the user.
+    """
+    name = "PYTHONWARNINGS"
+    former = os.environ.get(name)
+    os.environ[name] = ",".join(filter(None, [former, "ignore:resource_tracker"]))
+    try:
+        yield
+    finally:
+        if former is None:
+            del os.environ[name]
+        else:
+            os.environ[name] = former
+
+
 def cores() -> int:
     """Processors that this process may use."""
     return int(joblib.cpu_count())
@@ -51,7 +69,7 @@ def block_results(plan: SweepPlan, blocks: Sequence[range], workers: int) -> Ite
         pool = joblib.Parallel(
             min(workers, len(blocks)), return_as="generator_unordered", batch_size=1, max_nbytes=None
         )
-        with _interrupts_held_back():
+        with _interrupts_held_back(), _quiet_tracker():
             done = pool(run(plan, block, os.getpid()) for block in blocks)
         for block, content, trouble in done:
             if trouble is not None:
