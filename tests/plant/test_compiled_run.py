@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from arm_urdf import trees, write
+from arm_urdf import inertial, joint, link, robot, trees, write
 from hypothesis import HealthCheck, given, settings
 from plant_cases import Waving
 
@@ -108,6 +108,18 @@ def test_the_compiled_dynamics_of_every_arm_are_pinocchio_s(name):
 def test_the_compiled_dynamics_of_random_trees_are_pinocchio_s(text, tmp_path: Path):
     arm = load_arm(write(tmp_path, text))
     assert difference_from_pinocchio(arm, bodies_of(arm.tree)) < TOLERANCE
+
+
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+@pytest.mark.parametrize("loaded", [False, True], ids=["without gravity", "gravity along the axis"])
+def test_a_joint_whose_bias_is_rounding_alone_is_not_refused(tmp_path, kind, loaded):
+    """Neither velocity nor gravity loads it, or gravity only where it has no arm: what is left says nothing."""
+    rng = np.random.default_rng(3)
+    for axis in rng.normal(size=(8, 3)):
+        axis /= np.linalg.norm(axis)
+        element = joint("j", "base", "l", kind=kind, axis=" ".join(map(repr, axis.tolist())))
+        file = write(tmp_path, robot(link("base"), link("l", inertial(2.0)), element))
+        Plant(load_arm(file, gravity=tuple(9.81 * axis) if loaded else (0.0, 0.0, 0.0)))
 
 
 def test_a_plant_whose_compiled_dynamics_are_not_pinocchio_s_is_refused(ur5, monkeypatch):
