@@ -93,15 +93,20 @@ class SampledLoop:
 
     @cached_property
     def form(self) -> LinearForm:
-        """The law with the loop's M̄, K_s, β and period, as a linear system."""
+        """The law with the loop's M̄, K_s, β and period, as a linear system.
+
+        Raises:
+            ParameterError: it does not take these values, or is not linear with them.
+        """
         law = self.law.with_loop(self.mbar, self.ks, self.beta, self.period)
         form = linear_form(law, self.nv) or linear_form(law, self.nv, NEARER)
-        assert form is not None
+        if form is None:
+            raise ParameterError("law", f"'{law_name(self.law)}' is not linear near its set point with these values")
         return form
 
     @cached_property
     def possible(self) -> bool:
-        """Whether the law takes the loop's values: some bear no gain beyond what a period allows."""
+        """Whether the law takes the loop's values, of which a period may bound some, and is linear with them."""
         try:
             return self.law is None or self.form is not None
         except ParameterError:

@@ -176,7 +176,11 @@ class StabilityReport(Shown):
     def lines(self) -> list[str]:
         """The report in plain words: the verdict, what it is about, and a line per finding."""
         found = "stable where searched" if self.stable else "UNSTABLE"
-        worth = "what is proven stands below" if self.proof is not None else "a search refutes, it proves nothing"
+        worth = (
+            "what is proven stands below"
+            if self.proof is not None and self.proof.verdict == "stable"
+            else "a search refutes, it proves nothing"
+        )
         text = [
             f"{self.about.title}: the sampled loop is {found} ({self.configurations} configurations; {worth})",
             *self.about.lines(),
