@@ -6,9 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogFormatterMathtext
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from asmc_pin._typing import Array
 from asmc_pin.metrics import METRICS
@@ -48,21 +49,33 @@ def _distributions(findings: SweepFindings) -> Figure:
             for label, colour in controller_colors(findings.labels).items():
                 _shares(ax, by_label[label].ravel(), colour, label)
             ax.set_xscale("log")
-            ax.xaxis.set_minor_formatter(LogFormatterMathtext(minor_thresholds=(1.0, 0.5)))
+            _label_decades(ax.xaxis)
             ax.set_xlabel(for_figure(f"{METRICS[name].title} [{unit_of(findings, name)}]"))
             ax.set_ylim(0.0, 1.02)
         _finish(figure, axes, "Share of trials")
     return figure
 
 
-def _shares(ax: Axes, values: Array, colour: str, label: str, falling: bool = False) -> None:
+def _label_decades(axis: Axis) -> None:
+    """Labels on a logarithmic axis: powers of ten, or 1, 2 and 5 times these where fewer than two are in view."""
+    low, high = axis.get_view_interval()
+    if np.floor(np.log10(high)) - np.ceil(np.log10(low)) < 1.0:
+        plain = FuncFormatter(lambda value, _position: f"{value:g}")
+        axis.set_major_formatter(plain)
+        axis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+        axis.set_minor_formatter(plain)
+    else:
+        axis.set_minor_formatter(NullFormatter())
+
+
+def _shares(ax: Axes, values: Array, colour: str, label: str) -> None:
     ordered = np.sort(values)
     share = np.arange(1, ordered.size + 1) / ordered.size
     finite = np.isfinite(ordered)
     x, y = ordered[finite], share[finite]
     kept = np.unique(np.linspace(0, x.size - 1, min(x.size, _STEPS)).astype(int)) if x.size else np.empty(0, dtype=int)
-    height = 1.0 - y[kept] if falling else y[kept]
-    ax.step(x[kept], height, where="post", color=colour, label=for_figure(label))
+    # Up from 0 at the smallest, so that a curve of few trials is whole.
+    ax.step([*x[:1], *x[kept]], [*np.zeros_like(x[:1]), *y[kept]], where="post", color=colour, label=for_figure(label))
 
 
 def _failures(findings: SweepFindings) -> Figure:
@@ -105,7 +118,7 @@ def _dependence(findings: SweepFindings) -> Figure:
                     ax.plot(x[~over], y[~over], ".", ms=2.0, color=colour, label=for_figure(label), rasterized=True)
                     ax.plot(x[over], np.full(int(over.sum()), top), "x", ms=3.0, color=colour, rasterized=True)
                 ax.set_yscale("log")
-                ax.yaxis.set_minor_formatter(LogFormatterMathtext(minor_thresholds=(1.0, 0.5)))
+                _label_decades(ax.yaxis)
                 if row == len(names) - 1:
                     ax.set_xlabel(for_figure(path))
                 if column == 0:
