@@ -54,6 +54,7 @@ def inspect(source: str | Path, **options: Any) -> Inspection:
         joints=_joints(parts, np.zeros(parts.model.nv) if armature is None else armature),
         standing=_standing(parts),
         locked=dict(parts.locked),
+        payload=None if arm is None else arm.payload,
         refusal=refusal,
         doubts=tuple(sorted(doubts, key=lambda doubt: not doubt.serious)),
         notes=() if arm is None else arm.warnings,
@@ -100,7 +101,7 @@ def _joints(parts: Unjudged, armature: Array) -> list[InspectedJoint]:
                 armature=float(armature[index - 1]),
                 links=body.links,
                 mass=body.mass,
-                com=body.com,
+                com=body.com if body.mass > 0.0 else np.full(3, np.nan),
                 inertia=body.inertia,
                 radii=radii_of(body),
             )

@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.arms import Payload
 from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import ArmError
 from asmc_pin.inspection.subject_of_doubt import Doubt
 from asmc_pin.words.provisos import Proviso, provisos_json
-from asmc_pin.words.shown import Cells, Shown, aligned
+from asmc_pin.words.shown import UNDEFINED, Cells, Shown, aligned
 from asmc_pin.words.text import printable, quoted
 
 
@@ -34,7 +35,7 @@ class InspectedJoint:
         armature: Reflected rotor inertia, kg·m² (kg).
         links: The links of the body, the joint's child first.
         mass: Of the body, kg.
-        com: Its centre of mass in the joint's frame, shape (3,), m.
+        com: Its centre of mass in the joint's frame, shape (3,), m; NaN where its mass is not above 0.
         inertia: About that centre in the joint's axes, shape (3, 3), kg·m².
         radii: Its radii of gyration, ascending, shape (3,), m.
     """
@@ -61,7 +62,7 @@ class InspectedJoint:
         body = {
             "links": [printable(link) for link in self.links],
             "mass": self.mass,
-            "com": self.com.tolist(),
+            "com": self.com.tolist() if self.mass > 0.0 else None,
             "inertia": self.inertia[np.triu_indices(3)].tolist(),
             "radii_of_gyration": self.radii.tolist(),
         }
@@ -91,6 +92,7 @@ class Inspection(Shown):
         joints: What moves, base first.
         standing: Links that stand still with the base.
         locked: Joints that were locked, and where, rad (m).
+        payload: What it carries besides; None for nothing, and where it is refused.
         refusal: Why other commands refuse it; empty where they take it.
         doubts: All that looks unmeant, the serious ones first.
         notes: What was taken otherwise than written.
@@ -104,6 +106,7 @@ class Inspection(Shown):
     joints: Sequence[InspectedJoint]
     standing: tuple[str, ...]
     locked: dict[str, float]
+    payload: Payload | None
     refusal: str
     doubts: tuple[Doubt, ...]
     notes: tuple[str, ...]
@@ -120,6 +123,10 @@ class Inspection(Shown):
         ]
         if self.locked:
             said.append("locked: " + ", ".join(f"{quoted(name)} at {angle:g}" for name, angle in self.locked.items()))
+        if self.payload is not None:
+            load = self.payload
+            place = ", ".join(f"{x:g}" for x in load.com)
+            said.append(f"carries {load.mass:g} kg at ({place}) m on {quoted(str(load.link))}, not counted below")
         said += [f"{proviso.kind}: {proviso.text}" for proviso in self.provisos]
         if self.refusal:
             said += [f"REFUSED by other commands: {line}" if not k else line for k, line in enumerate(self._why())]
@@ -153,7 +160,7 @@ class Inspection(Shown):
             [
                 printable(joint.name),
                 f"{joint.mass:.4g}",
-                "  ".join(f"{x:.3f}" for x in joint.com),
+                "  ".join(f"{x:.3f}" for x in joint.com) if joint.mass > 0.0 else UNDEFINED,
                 "  ".join(f"{x:.3f}" for x in joint.radii),
                 ", ".join(map(quoted, joint.links[:4])) + (" …" if len(joint.links) > 4 else ""),
             ]
@@ -183,6 +190,7 @@ class Inspection(Shown):
             "joints": [joint.to_json_dict() for joint in self.joints],
             "standing": [printable(link) for link in self.standing],
             "locked": {printable(name): value for name, value in self.locked.items()},
+            "payload": None if self.payload is None else _payload_json(self.payload),
             "refused": self.refusal or None,
             "doubts": doubts,
             "notes": list(self.notes),
@@ -205,6 +213,16 @@ class Inspection(Shown):
 
     def _why(self) -> list[str]:
         return self.refusal.split("\n")
+
+
+def _payload_json(load: Payload) -> dict[str, Any]:
+    """A payload as other commands' JSON has it: ``mass``, ``link``, ``com``, and its inertia."""
+    return {
+        "mass": load.mass,
+        "link": printable(str(load.link)),
+        "com": list(load.com),
+        "inertia": list(load.inertia),
+    }
 
 
 def _limit(value: float) -> str:
