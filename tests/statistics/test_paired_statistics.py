@@ -19,6 +19,7 @@ from asmc_pin.statistics.rank_tests import holm, probability_of_improvement, sig
 
 INF = math.inf
 BASE = np.exp(np.random.default_rng(5).normal(size=16))
+"""Draws that both laws of a pair share."""
 
 
 @pytest.fixture
