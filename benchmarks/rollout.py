@@ -1,6 +1,6 @@
 """What a rollout costs over bare dynamics: the processor time of a run over that of as many `pin.abaInParallel` calls.
 
-    python benchmarks/rollout.py [--repeats 7] [--scaling]
+    python benchmarks/rollout.py [--repeats 7] [--scaling] [--readme]
 
 A run is a UR5 under a law at 1 kHz with one integration step per period, every tick logged: law, torque limits, check
 for divergence, dynamics, friction, integration, log, and all that a `rollout` does before and after. The baseline calls
@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import argparse
 import platform
+import re
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -34,6 +35,15 @@ from asmc_pin.controllers import AdaptiveState, Baek2016, Ppc, Sample, Setpoint,
 from asmc_pin.errors import MissingDependencyError
 from asmc_pin.plant import Drive, Friction, Sensor
 from asmc_pin.references import Multisine
+
+README = Path(__file__).with_name("README.md")
+GOALS = {
+    **{("frictionless", "baek2016", batch): goal for batch, goal in ((1, 1.0), (16, 0.7), (256, 0.65), (1024, 0.65))},
+    **{("friction", "baek2016", batch): goal for batch, goal in ((1, 1.2), (16, 0.8), (256, 0.8), (1024, 0.85))},
+    **{("friction", "numpy law", batch): goal for batch, goal in ((1, 11.0), (16, 1.9), (256, 0.8))},
+    ("full", "baek2016", 256): 1.3,
+}
+"""The largest ratio that a row is to have."""
 
 PERIOD = 1e-3  # s
 ARM = load_arm("ur5", payload=2.0, armature=[0.5, 0.5, 0.3, 0.05, 0.05, 0.05])
@@ -200,6 +210,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--repeats", type=int, default=7)
     parser.add_argument("--scaling", action="store_true", help="cost against batch, joints, horizon and threads too")
+    parser.add_argument("--readme", action="store_true", help="replace the table of benchmarks/README.md")
     options = parser.parse_args()
     repeats = options.repeats
 
@@ -213,19 +224,33 @@ def main() -> None:
     rows = [(plant, "baek2016", batch) for batch in (1, 16, 256, 1024) for plant in ("frictionless", "friction")]
     rows += [("friction", "numpy law", batch) for batch in (1, 16, 256)]
     rows += [("full", "baek2016", batch) for batch in (1, 16, 256)]
+    table = [
+        "| plant | law | batch | µs per trial and tick | baseline, µs | ratio | goal |",
+        "| --- | --- | ----: | --------------------: | -----------: | ----: | ---: |",
+    ]
     for plant, law, batch in rows:
         base = bare(batch, repeats)
         cost = ours(plant, law, batch, repeats)
         base = min(base, bare(batch, repeats))
         print(f"{plant:>14} {law:>10} {batch:>6} {cost:>14.2f} {base:>13.2f} {cost / base:>6.2f}", flush=True)
+        goal = f"{GOALS[plant, law, batch]:g}" if (plant, law, batch) in GOALS else ""
+        table.append(f"| {plant} | {law} | {batch} | {cost:.2f} | {base:.2f} | {cost / base:.2f} | {goal} |")
     try:
         loop, rolled = mujoco_loop(repeats), mujoco_rollout(256, repeats)
-        print(
-            f"Python loop round mj_step: {loop:.2f} µs per tick, {loop / bare(1, repeats):.2f} of bare aba at batch 1"
-        )
-        print(f"mujoco.rollout, open loop, 256: {rolled:.2f} µs, {rolled / bare(256, repeats):.2f} of bare aba there")
+        one, many = loop / bare(1, repeats), rolled / bare(256, repeats)
+        print(f"Python loop round mj_step: {loop:.2f} µs per tick, {one:.2f} of bare aba at batch 1")
+        print(f"mujoco.rollout, open loop, 256: {rolled:.2f} µs, {many:.2f} of bare aba there")
+        table += [
+            f"| none | MuJoCo, Python loop round `mj_step` | 1 | {loop:.2f} | {loop / one:.2f} | {one:.2f} |  |",
+            f"| none | MuJoCo, `rollout` in C, open loop | 256 | {rolled:.2f} | {rolled / many:.2f} | {many:.2f} |  |",
+        ]
     except MissingDependencyError as error:
         print(f"MuJoCo left out: {error}")
+    if options.readme:
+        pattern = re.compile(r"(<!-- from here: rollout -->\n).*?(<!-- to here: rollout -->)", re.DOTALL)
+        text = README.read_text(encoding="utf-8")
+        rows_text = "\n".join(table)
+        README.write_text(pattern.sub(lambda found: f"{found[1]}{rows_text}\n{found[2]}", text), encoding="utf-8")
     if options.scaling:
         scaling(repeats)
 
