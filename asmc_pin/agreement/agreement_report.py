@@ -15,6 +15,8 @@ from asmc_pin.words.shown import Cells, Shown, figure
 TOLERANCE = 1e-8
 """Of each of the three relative errors."""
 
+Verdict = Literal["agrees", "disagrees", "not compared"]
+
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class AgreementReport(Shown):
@@ -26,7 +28,7 @@ class AgreementReport(Shown):
         joints: Its moving joints, base first.
         engine: The other engine and its version.
         verdict: ``agrees``: every error is within `TOLERANCE`. ``disagrees``: one is not. ``not compared``: the other
-            engine refuses the URDF; `notes` has its reason.
+            engine refuses the URDF, or M and bias agree and no motion could be integrated; `notes` has the reason.
         configurations: How many pairs (q, q̇) M and bias were compared at.
         runs: How many motions were compared.
         duration: Length of each, s.
@@ -50,7 +52,7 @@ class AgreementReport(Shown):
     sha256: str
     joints: tuple[str, ...]
     engine: str
-    verdict: Literal["agrees", "disagrees", "not compared"]
+    verdict: Verdict
     configurations: int
     runs: int
     duration: float
@@ -96,18 +98,22 @@ class AgreementReport(Shown):
 
     def lines(self) -> list[str]:
         """The report in plain words, a line per finding."""
-        if self.verdict == "not compared":
+        if not math.isfinite(self.mass_error) and self.verdict == "not compared":
             return [f"{self.arm}: NOT COMPARED with {self.engine}", *self.notes]
+        said = "Pinocchio NOT COMPARED" if self.verdict == "not compared" else f"Pinocchio {self.verdict.upper()}"
         text = [
-            f"{self.arm}: Pinocchio {self.verdict.upper()} with {self.engine}; both read the same URDF text",
+            f"{self.arm}: {said} with {self.engine}; both read the same URDF text",
             f"M(q): {_against(self.mass_error)} of √(M_ii M_jj), {self.configurations} configurations, "
             f"worst at q = {_angles(self.mass_worst_q)}",
             f"C q̇ + g: {_against(self.bias_error)} of the joint's largest, worst at "
             f"q = {_angles(self.bias_worst_q)}, q̇ = {_angles(self.bias_worst_v)}",
-            f"motion under the same torques: {_against(self.motion_error)} of the travel, "
-            f"{self.runs} runs of {self.duration:g} s in steps of {1e3 * self.step:g} ms without friction, worst from "
-            f"q = {_angles(self.motion_worst_q)}",
         ]
+        if not np.isnan(self.motion_worst_q).all():
+            text.append(
+                f"motion under the same torques: {_against(self.motion_error)} of the travel, "
+                f"{self.runs} runs of {self.duration:g} s in steps of {1e3 * self.step:g} ms without friction, "
+                f"worst from q = {_angles(self.motion_worst_q)}"
+            )
         return text + [f"note: {line}" for line in self.notes]
 
     def table(self) -> Cells:

@@ -5,7 +5,8 @@ MuJoCo is an extra (``pip install 'asmc-pin[agree]'``) and is imported on first 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from types import ModuleType
 from typing import Any
 
@@ -38,6 +39,18 @@ def import_mujoco() -> ModuleType:
         raise MissingDependencyError("mujoco", "agree", "an independent engine to compare the arm with") from None
     module: ModuleType = mujoco
     return module
+
+
+@contextmanager
+def unheard_warnings() -> Iterator[None]:
+    """Keep MuJoCo from printing its warnings, and from writing them into a file in the user's folder."""
+    mujoco = import_mujoco()
+    usual = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda _: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(usual)
 
 
 class Twin:

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 
 from asmc_pin.agreement import AgreementReport, agree
 from asmc_pin.agreement import mujoco_model as engine_module
+from asmc_pin.agreement.agreement_report import TOLERANCE
 from asmc_pin.arms import Arm, arm_names, load_arm
 from asmc_pin.errors import MissingDependencyError, ParameterError
 
@@ -222,6 +223,21 @@ def test_a_refusal_is_reported_with_its_reason(monkeypatch: pytest.MonkeyPatch) 
     assert "refuses two_link" in report.notes[0]
     assert "NOT COMPARED" in report.lines()[0]
     assert json.loads(json.dumps(report.to_json_dict(), allow_nan=False))["mass_error"] is None
+
+
+def test_a_motion_that_neither_engine_can_integrate_is_no_disagreement(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    # The shoulder's turning pulls a far elbow outwards: it swings at some 30 rad/s, too fast for steps of 0.1 s.
+    far = two_joints(second=joint("elbow", "upper", "lower", axis="0 0 1", xyz="1e3 0 0.3"))
+    monkeypatch.chdir(tmp_path)
+    report = agree(load_arm(write(tmp_path, far)), configurations=12, runs=2, duration=2.0, step=0.1)
+    assert report.verdict == "not compared"
+    assert max(report.mass_error, report.bias_error) < TOLERANCE
+    assert "too long" in report.notes[-1]
+    assert not any("nan" in line or "DISAGREES" in line for line in report.lines())
+    assert capfd.readouterr() == ("", "")
+    assert not (tmp_path / "MUJOCO_LOG.TXT").exists()
 
 
 def test_without_mujoco_the_message_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:

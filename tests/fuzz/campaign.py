@@ -49,8 +49,9 @@ DRAWING = {
     "asmc_pin.study.comparing": "draw_figures",
     "asmc_pin.study.run_monitors": "draw_theorems",
     "asmc_pin.pages.comparison_page": "report_html",
+    "asmc_pin.results.result_folder": "load_result",
 }
-"""What draws, and the module where it is looked up."""
+"""What draws, or reads what is to be drawn, and the module where it is looked up."""
 
 
 def undrawn() -> None:
