@@ -695,6 +695,36 @@ def test_the_joints_of_a_certificate_are_all_that_the_text_moves(
         chain_of(description(_two()), joints, locked, None)
 
 
+IMPOSSIBLE = {
+    "a negative moment": np.diag([-0.01, 0.02, 0.02]),
+    "a moment above the sum of the other two": np.diag([0.01, 0.02, 0.0301]),
+    "a product that outweighs its moments": np.array([[0.02, 0.0, 0.03], [0.0, 0.02, 0.0], [0.03, 0.0, 0.02]]),
+}
+
+
+@pytest.mark.parametrize("what", IMPOSSIBLE)
+def test_an_inertia_that_no_body_has_is_refused_even_where_no_joint_feels_it(what: str) -> None:
+    """Joint j turns about z only: of link a, M(q) has the moment about z, and all the rest is never seen."""
+    text = _two(a=link("a", inertial(2.0, com="3 0 0", inertia=IMPOSSIBLE[what])))
+    with pytest.raises(Unreadable, match="no body has"):
+        chain_of(description(text), ["j", "k"], {}, None)
+
+
+def test_what_exporters_round_and_what_a_fixed_link_makes_up_for_is_an_inertia() -> None:
+    rounded = _two(a=link("a", inertial(2.0, inertia=np.diag([0.01, 0.02, 0.03 * (1.0 + 3e-10)]))))
+    dummy = _two(
+        b2=link("b2", inertial(1e-8, com="0 0 0", inertia=np.diag([1e-8, 1e-8, 3e-8]))),
+        fixed=joint("fixed", "b", "b2", kind="fixed"),
+    )
+    for text in (rounded, dummy):
+        assert chain_of(description(text), ["j", "k"], {}, None).parent.tolist() == [-1, 0]
+
+
+def test_a_joint_that_moves_no_mass_is_refused() -> None:
+    with pytest.raises(Unreadable, match="no body has"):
+        chain_of(description(_two(b=link("b"))), ["j", "k"], {}, None)
+
+
 @pytest.mark.parametrize("name", arm_names())
 def test_a_text_is_read_as_the_loader_reads_it(name: str) -> None:
     loaded = load_arm(name)

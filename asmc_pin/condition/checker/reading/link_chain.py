@@ -109,6 +109,8 @@ def chain_of(robot: Description, joints: Sequence[str], locked: Mapping[str, flo
 _BITS = 256
 _SURE = 1e-15
 """Largest share of a number that its ball may leave open."""
+_ROUNDED, _POINT = 1.001e-9, 1.001e-12
+"""What exporters' rounding may leave of an impossible inertia: a share of the largest moment, m² of gyration."""
 
 
 class _Reader:
@@ -140,6 +142,9 @@ class _Reader:
             raise Unreadable("the certificate's joints are not the URDF's, base first")
         if self._held != set(self._locked):
             raise Unreadable("the certificate locks joints that the URDF does not have")
+        for name, i in self._index.items():
+            if not _of_a_body(self._inertia[i]):
+                raise Unreadable(f"what joint '{printable(name)}' of the URDF moves has an inertia that no body has")
         inertia = np.array([_floats(matrix) for matrix in self._inertia])
         return Chain(self._parent, self._place, self._axis, self._slides, inertia)
 
@@ -196,6 +201,21 @@ def _floats(matrix: arb_mat) -> Array:
         if not float(value.rad()) <= _SURE * abs(out[i, j]) + 1e-40:
             raise Unreadable("the numbers of the URDF cancel so far that nothing is left of them")
     return out
+
+
+def _of_a_body(spatial: arb_mat) -> bool:
+    """Whether a spatial inertia has a mass, no negative principal moment, and none above the sum of the other two.
+
+    No statement about M(q) needs all of it: an arm that cannot be is refused as it is by whatever else reads it.
+    """
+    mass = spatial[3, 3]
+    if not mass > 0:
+        return False
+    c = arb_mat([[spatial[i, 3 + j] / mass for j in range(3)] for i in range(3)])
+    turning = arb_mat([[spatial[i, j] for j in range(3)] for i in range(3)]) - c * c.transpose() * mass
+    least, middle, most = np.linalg.eigvalsh([[float(turning[i, j].mid()) for j in range(3)] for i in range(3)])
+    slack = max(_ROUNDED * max(abs(least), abs(most)), _POINT * float(mass.mid()))
+    return bool(least >= -slack and most <= least + middle + slack)
 
 
 def _spatial(mass: arb, com: arb_mat, about_com: arb_mat) -> arb_mat:
