@@ -30,7 +30,7 @@ MAKERS: dict[str, Callable[..., list[str]]] = {
     "result": mutate_result.make,
 }
 DRAWN = 10
-"""One comparison in so many also draws its figures and its page, which take most of the time."""
+"""One comparison in so many also writes its trajectories and tables, and draws: that takes most of the time."""
 
 
 @dataclass(frozen=True)
@@ -45,20 +45,22 @@ class Tried:
     faults: list[Fault]
 
 
-DRAWING = {
-    "asmc_pin.study.comparing": "draw_figures",
-    "asmc_pin.study.run_monitors": "draw_theorems",
-    "asmc_pin.pages.comparison_page": "report_html",
-    "asmc_pin.results.result_folder": "load_result",
-}
-"""What draws, or reads what is to be drawn, and the module where it is looked up."""
+WRITING = (
+    ("asmc_pin.study.comparing", "draw_figures"),
+    ("asmc_pin.study.comparing", "summary_markdown"),
+    ("asmc_pin.study.run_monitors", "draw_theorems"),
+    ("asmc_pin.pages.comparison_page", "report_html"),
+    ("asmc_pin.results.result_folder", "load_result"),
+    ("asmc_pin.results.result_folder", "write_trajectories"),
+)
+"""What writes and draws of a comparison, or reads what is to be drawn, and the module where it is looked up."""
 
 
-def undrawn() -> None:
-    """Compare without figures and page."""
-    for module, what in DRAWING.items():
+def unwritten() -> None:
+    """Compare, and write no more than the summary, the figures in JSON and what the monitors say."""
+    for module, what in WRITING:
         assert hasattr(importlib.import_module(module), what)
-        setattr(sys.modules[module], what, lambda *_, **__: [])
+        setattr(sys.modules[module], what, lambda *_, **__: "")
 
 
 def trial(kind: str, seed: int, index: int, sound: Any, scratch: Path) -> Tried:
@@ -78,7 +80,7 @@ def trial(kind: str, seed: int, index: int, sound: Any, scratch: Path) -> Tried:
     after = None
     if kind == "certificate" and "--json" in words:
         after = functools.partial(truth.judge, work / "x.cert")
-    before = undrawn if words[0] == "compare" and index % DRAWN else None
+    before = unwritten if words[0] == "compare" and index % DRAWN else None
     outcome = command(words, scratch, before, after)
     return Tried(kind, index, words, outcome.status, outcome.seconds, list(faults(words, outcome, scratch)))
 

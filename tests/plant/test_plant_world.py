@@ -352,3 +352,10 @@ def test_stops_store_the_energy_of_springs_on_either_side():
 
 def test_a_drive_without_a_rotor_leaves_the_arm_as_it_is(arm):
     assert Plant(arm, drive=Drive()).arms[0] is arm
+
+
+@pytest.mark.parametrize("what", ["mass", "com", "inertia", "friction"])
+def test_a_scatter_beyond_all_arms_is_refused_by_name(what: str) -> None:
+    """A standard deviation of 1 is a factor of e already; one of 1e8 is of no number."""
+    with pytest.raises(ParameterError, match=what):
+        Spread(**{what: 1e8})
