@@ -34,14 +34,14 @@ class Spread:
     Numbers are drawn per trial from the experiment's seed and the trial's number.
     """
 
-    mass: Scalar = Scalar("scatter of each link's mass, relative", "", at_least=0.0, at_most=1.0, default=0.0)
+    mass: Scalar = Scalar("scatter of each link's mass, relative", "", at_least=0.0, at_most=2.0, default=0.0)
     com: Scalar = Scalar(
         "scatter of each link's centre of mass, along each axis", "m", at_least=0.0, at_most=10.0, default=0.0
     )
     inertia: Scalar = Scalar(
-        "stretch of each link along each axis, relative", "", at_least=0.0, at_most=1.0, default=0.0
+        "stretch of each link along each axis, relative", "", at_least=0.0, at_most=2.0, default=0.0
     )
-    friction: Scalar = Scalar("scatter of each joint's friction, relative", "", at_least=0.0, at_most=1.0, default=0.0)
+    friction: Scalar = Scalar("scatter of each joint's friction, relative", "", at_least=0.0, at_most=2.0, default=0.0)
 
     @property
     def moves_links(self) -> bool:
