@@ -10,12 +10,16 @@ from pkgutil import iter_modules
 from asmc_pin.cli import commands
 from asmc_pin.cli.app import PANELS, app
 from asmc_pin.cli.console import note
+from asmc_pin.cli.examples import shown_examples
 from asmc_pin.cli.interrupt import INTERRUPTED
 from asmc_pin.words.interface import speaking
 
 # Commands register themselves on import; help lists them panel by panel, one without a panel first.
 for _file in sorted(iter_modules(commands.__path__), key=lambda found: found.name):
     import_module(f"{commands.__name__}.{_file.name}")
+for _each in app.registered_commands:
+    assert _each.callback is not None
+    _each.epilog = shown_examples(_each.name or _each.callback.__name__)
 app.registered_commands.sort(
     key=lambda each: PANELS.index(each.rich_help_panel) if each.rich_help_panel in PANELS else -1
 )

@@ -13,6 +13,7 @@ import typer
 
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Condition
+from asmc_pin.words.mistyped import no_number, seconds
 from asmc_pin.words.text import as_number
 
 ArmArgument: TypeAlias = Annotated[
@@ -41,8 +42,24 @@ CertifyOption: TypeAlias = Annotated[
 GapOption: TypeAlias = Annotated[
     float, typer.Option("--gap", help="Relative distance of the scales proven and refuted to be content with.")
 ]
+
+
+def _span(text: str | float) -> float:
+    """``--budget``; a default comes as the number it is."""
+    try:
+        return seconds(text) if isinstance(text, str) else text
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
+
+
 BudgetOption: TypeAlias = Annotated[
-    float, typer.Option("--budget", metavar="S", help="Time for the proof; for a design that and its own.")
+    float,
+    typer.Option(
+        "--budget",
+        metavar="S",
+        parser=_span,
+        help="Time for the proof, 60 or 2m or 1h; for a design that and its own.",
+    ),
 ]
 CertificateOption: TypeAlias = Annotated[
     str | None,
@@ -57,12 +74,19 @@ NO_CERTIFICATE = "no certificate has joints that mimic others, for 'asmc-pin che
 Range: TypeAlias = tuple[float, float]
 
 
-def number(text: str, option: str) -> float:
-    """One finite number, or a `ParameterError` that names the option."""
+def number(text: str, option: str, instead: str = "") -> float:
+    """One finite number, or a `ParameterError` that names the option.
+
+    Args:
+        text: As given.
+        option: Its name.
+        instead: Where several numbers may be given, if not here.
+    """
     try:
         value = as_number(text)
     except ValueError:
-        raise ParameterError(option, f"'{text}' is not a number") from None
+        hint = f"; {instead}" if instead and "," in text else ""
+        raise ParameterError(option, no_number(text) + hint) from None
     if not math.isfinite(value):
         raise ParameterError(option, f"'{text}' is not a finite number")
     return value

@@ -20,6 +20,7 @@ from asmc_pin.disk.reading import read_file, shown
 from asmc_pin.errors import ParameterError
 from asmc_pin.parameters import AsGiven, Choice
 from asmc_pin.references.reference import as_times, held_outside, reference_kind
+from asmc_pin.words.mistyped import other_separator
 from asmc_pin.words.text import as_number, printable
 
 LARGEST = 100_000_000
@@ -166,6 +167,9 @@ def _read(path: Path) -> tuple[list[str], Array, Array]:
 def _header(path: Path, line: int, row: list[str]) -> list[str]:
     names = [cell.strip() for cell in row]
     where = f"{shown(path)}, line {line}"
+    foreign = other_separator(",".join(row), path.name)
+    if foreign is not None:
+        raise ParameterError("path", f"{where}: {foreign}")
     if len(names) > _MOST_COLUMNS:
         raise ParameterError("path", f"{where}: {len(names)} columns, at most {_MOST_COLUMNS} expected")
     given = printable(",".join(names))

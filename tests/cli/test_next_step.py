@@ -6,8 +6,11 @@ import shlex
 
 import numpy as np
 import pytest
+import typer
+from short_experiment import SHORT
 
-from asmc_pin import lemma1_norm, load_arm, verify, weighted_norm
+from asmc_pin import lemma1_norm, load_arm, load_experiment, verify, weighted_norm
+from asmc_pin.cli.dispatch import app
 from asmc_pin.cli.entry import main
 from asmc_pin.condition.search.what_would_help import joint_to_blame
 
@@ -24,6 +27,13 @@ def next_words(out):
     found = re.fullmatch(r"next: [^:]+: (asmc-pin .*)", out.splitlines()[-1])
     assert found, out.splitlines()[-1]
     return shlex.split(found[1])[1:]
+
+
+def parsed(words):
+    """The parameters that the command line makes of a command, which is not run."""
+    group = typer.main.get_command(app)
+    command = group.get_command(None, words[0])
+    return command.make_context(words[0], list(words[1:])).params
 
 
 def test_after_a_violation_the_next_command_finds_an_mbar_for_the_same_arm_that_is_not_violated(capsys):
@@ -94,3 +104,48 @@ def test_after_a_search_that_refutes_nothing_the_next_command_proves_the_same_st
 def test_json_carries_no_such_line(capsys):
     _, out = run(capsys, "verify", "two_link", "--mbar", "9", "--json")
     assert json.loads(out)["verdict"] == "violated"
+
+
+SHORT_LOOP = ("--mbar", "0.02", "--ks", "5", "--beta", "5")
+
+
+@pytest.mark.parametrize(
+    ("words", "verb"),
+    [
+        (("verify", "two_link", "--mbar", "0.02", "--along", "baek2016_simulation_smooth"), "verify"),
+        (("design", "two_link"), "design"),
+        (("design", "two_link", "--bounds", "joint_1=50:60"), "bounds"),
+        (("stability", "two_link", *SHORT_LOOP, "--period", "0.001"), "stability"),
+        (("stability", "two_link", "--mbar", "0.5", "--ks", "5", "--beta", "5", "--period", "0.1"), "design"),
+    ],
+)
+def test_every_verdict_ends_with_a_command_about_the_same_arm_that_is_taken(capsys, words, verb):
+    _, out = run(capsys, *words)
+    following = next_words(out)
+    assert following[:2] == [verb, "two_link"]
+    assert parsed(following)["arm"] == "two_link"
+
+
+def test_what_follows_a_proof_along_a_motion_is_a_proof_within_a_tube_around_it(capsys):
+    _, out = run(capsys, "verify", "two_link", "--mbar", "0.02", "--along", "baek2016_simulation_smooth")
+    options = parsed(next_words(out))
+    assert (options["along"], options["tube"], options["certify"]) == ("baek2016_simulation_smooth", 0.05, True)
+
+
+def test_a_comparison_ends_with_the_proof_of_its_mbar_on_the_arm_with_its_load_and_rotors(capsys, tmp_path):
+    file = tmp_path / "short.toml"
+    file.write_text(SHORT.replace('arm = "two_link"', 'arm = { source = "two_link", payload = 0.5, armature = 0.01 }'))
+    status, out = run(capsys, "compare", str(file), "--out", str(tmp_path / "out"))
+    assert status == 0
+    options = parsed(next_words(out))
+    experiment = load_experiment(str(file))
+    given = (options["arm"], float(options["payload"]), options["armature"], options["certify"])
+    assert given == ("two_link", 0.5, "0.01,0.01", True)
+    np.testing.assert_allclose(float(options["mbar"]), experiment.defaults["mbar"])
+
+
+def test_a_certificate_that_holds_leads_on_to_what_it_takes_for_granted(capsys, tmp_path):
+    proof = str(tmp_path / "two_link.cert")
+    run(capsys, "verify", "two_link", "--mbar", "0.02", "--certify", "--certificate", proof)
+    _, out = run(capsys, "check", proof)
+    assert next_words(out) == ["agree", "two_link"]

@@ -248,7 +248,7 @@ def test_csv_reads_what_spreadsheets_write(tmp_path: Path) -> None:
 CSV_ERRORS = [
     ("", r"is empty; expected a header t,q1,…,qn"),
     ("0,1\n1,2\n", r"line 1: the header is '0,1'; expected t,q1,…,qn"),
-    ("t;q1\n0;1\n", r"line 1: the header is 't;q1'; expected"),
+    ("t;q1\n0;1\n", r"line 1: has ';' between its values"),
     ("t,q2,q1\n0,1,2\n", r"line 1: the columns are 't,q2,q1'; put them in the order q1,…,qn"),
     ("t,a,a\n0,1,2\n", r"line 1: a column has no name, or two have the same"),
     ("t,q1\n0,0\n1,x\n", r"line 3: 'x' is not a number"),

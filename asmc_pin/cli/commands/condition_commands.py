@@ -102,6 +102,9 @@ def _say_next(context: typer.Context, verdict: str, *, proves: bool, budget: flo
         say_next("an M̄ that suits M(q)", again(context, "design"))
     elif verdict == "unrefuted" and proves:
         say_next("a proof", again(context, "verify", "--certify", also=question))
+    elif verdict == "unrefuted":
+        about = again(context, "verify", "--tube", "0.05", "--certify", also=("mbar", "along", "seed"))
+        say_next("a proof, which needs room around the motion, here 0.05 rad", about)
     elif verdict == "undecided":
         longer = again(
             context, "verify", "--certify", "--budget", f"{2 * budget:g}", also=(*question, "gap", "certificate")

@@ -13,7 +13,7 @@ from asmc_pin.cli.commands.condition_commands import EXIT, check_proof_options, 
 from asmc_pin.cli.console import note, print_json, progress_bar, say
 from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
 from asmc_pin.cli.loop_options import AccelerationOption, DelayOption, FilterOption, loop_proof_of
-from asmc_pin.cli.next_step import again, say_next
+from asmc_pin.cli.next_step import SENSED, again, say_next
 from asmc_pin.cli.options import (
     ArmArgument,
     BoxOption,
@@ -45,6 +45,7 @@ from asmc_pin.words.choices import Form, Objective
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
+    from asmc_pin.condition import DesignReport
     from asmc_pin.sampled import StabilityReport
     from asmc_pin.sampled.gain_choice.gain_design import GainDesign
 
@@ -190,13 +191,24 @@ def design(
         print_json(content)
     else:
         say(*lines)
-        kept = ("objective", "form", "bounds", "level", "seed")
-        if found.mbar is not None and not gains:
-            more = () if certify else ("--certify",)
-            say_next(
-                "gains for it, here at 1 ms", again(context, "design", "--gains", "--period", "0.001", *more, also=kept)
-            )
+        _say_next(context, found, gains=gains, certify=certify)
     raise typer.Exit(1 if refuted else {"infeasible": 1, **EXIT}[found.verdict])
+
+
+def _say_next(context: typer.Context, found: DesignReport, *, gains: bool, certify: bool) -> None:
+    kept = ("objective", "form", "bounds", "level", "seed")
+    margins = ("period", "gain_margin", "delay_margin", "coulomb", "noise_budget", *SENSED)
+    more = () if certify else ("--certify",)
+    if found.mbar is None:
+        say_next("how large M(q) is, which M̄ has to suit", again(context, "bounds"))
+    elif not gains:
+        say_next(
+            "gains for it, here at 1 ms", again(context, "design", "--gains", "--period", "0.001", *more, also=kept)
+        )
+    elif not certify:
+        say_next("what can be proven of them", again(context, "design", "--gains", "--certify", also=(*kept, *margins)))
+    else:
+        say_next("an experiment to put them into", "asmc-pin new mine.toml --from demo")
 
 
 def _beside(certificate: str) -> str:

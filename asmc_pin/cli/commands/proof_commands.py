@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import shlex
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -10,11 +11,15 @@ from asmc_pin.cli.app import LISTS, MBAR, STUDIES, app
 from asmc_pin.cli.commands.condition_commands import EXIT
 from asmc_pin.cli.console import announce_compiling, print_json, progress_bar, say
 from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_single, takes_loading_options
+from asmc_pin.cli.next_step import say_next
 from asmc_pin.cli.options import (
     ArmArgument,
     JsonOption,
 )
 from asmc_pin.disk.files import check_readable
+
+if TYPE_CHECKING:
+    from asmc_pin.condition.checker import CheckResult
 
 
 @app.command(rich_help_panel=MBAR)
@@ -36,7 +41,26 @@ def check(
         print_json(result.to_json_dict())
     else:
         say(*result.lines())
+        _say_next(result)
     raise typer.Exit(1 if result.verdict is None else {"stable": 0, "unstable": 1, **EXIT}[result.verdict])
+
+
+def _say_next(result: CheckResult) -> None:
+    """What follows; the arm that is inside is asked about by its name, for its file lies with who made the proof."""
+    arm = "ARM" if result.hypotheses is None else result.hypotheses.arm
+    if result.verdict is None:
+        say_next("a certificate of your own", "asmc-pin verify ARM --mbar M1,M2,... --certify --certificate FILE")
+    elif result.verdict in ("holds", "stable"):
+        say_next("whether the arm's model agrees with an independent engine", shlex.join(["asmc-pin", "agree", arm]))
+    elif result.verdict == "violated":
+        say_next("an M̄ that suits M(q)", shlex.join(["asmc-pin", "design", arm]))
+    elif result.verdict == "unstable":
+        say_next(
+            "gains that a loop bears, here at 1 ms",
+            shlex.join(["asmc-pin", "design", arm, "--gains", "--period", "0.001"]),
+        )
+    else:
+        say_next("more time for the proof", "asmc-pin verify ARM --mbar M1,M2,... --certify --budget 10m")
 
 
 @app.command(rich_help_panel=LISTS)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import replace
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -44,6 +45,9 @@ from asmc_pin.cli.sensor_options import (
     VelocityOption,
     sensor_of,
 )
+
+if TYPE_CHECKING:
+    from asmc_pin.sampled import StabilityReport
 
 
 @app.command(rich_help_panel=MBAR)
@@ -91,7 +95,7 @@ def stability(
     check_proof_options(certify, certificate)
     page = report_path(report)
     values, slopes, ranges = per_joint(mbar, "--mbar"), per_joint(ks, "--ks"), parse_box(box)
-    rate, length = number(beta, "--beta"), number(period, "--period")
+    rate, length = number(beta, "--beta", "what may differ from joint to joint is --ks"), number(period, "--period")
     loaded, domain = open_domain(arm, loading)
     sensor = sensor_of(
         loaded.nv,
@@ -152,14 +156,24 @@ def stability(
     if as_json:
         print_json(found.to_json_dict())
     else:
-        from asmc_pin.sampled.proof.loop_certificate import not_plain
-
         say(*found.lines())
-        if not found.stable and law is None:
-            say_next("gains that this period bears", again(context, "design", "--gains", also=("period", *SENSED)))
-        elif found.stable and not certify and not_plain(found.loop) is None:
-            say_next(
-                "a proof", again(context, "stability", "--certify", also=("mbar", "ks", "beta", "period", *SENSED))
-            )
+        _say_next(context, found, law=law, certify=certify, budget=budget)
     open_question = found.proof is not None and found.proof.verdict == "undecided"
     raise typer.Exit(1 if not found.stable else 3 if open_question else 0)
+
+
+def _say_next(context: typer.Context, found: StabilityReport, *, law: str | None, certify: bool, budget: float) -> None:
+    from asmc_pin.sampled.proof.loop_certificate import not_plain
+
+    asked = ("mbar", "ks", "beta", "period", "law", "settings", *SENSED)
+    if not found.stable and law is None:
+        say_next("gains that this period bears", again(context, "design", "--gains", also=("period", *SENSED)))
+    elif not found.stable:
+        say_next("what the law's parameters do", shlex.join(["asmc-pin", "controllers", str(law)]))
+    elif found.proof is not None and found.proof.verdict == "undecided":
+        longer = again(context, "stability", "--certify", "--budget", f"{2 * budget:g}", also=(*asked, "certificate"))
+        say_next("twice the time", longer)
+    elif not certify and not_plain(found.loop) is None:
+        say_next("a proof", again(context, "stability", "--certify", also=asked))
+    else:
+        say_next("an experiment to put these gains into", "asmc-pin new mine.toml --from demo")

@@ -9,6 +9,7 @@ import typer
 from asmc_pin.cli.app import PICTURES, STUDIES, app
 from asmc_pin.cli.console import announce_compiling, note, print_json, progress_bar, rich_console, say
 from asmc_pin.cli.loading_options import tell_doubts
+from asmc_pin.cli.next_step import say_next
 from asmc_pin.cli.options import JsonOption
 from asmc_pin.disk.files import check_writable
 from asmc_pin.words.text import visible
@@ -51,6 +52,14 @@ def compare(
         print_json(comparison.to_json_dict())
     else:
         print_comparison(comparison)
+        _say_next(comparison)
+
+
+def _say_next(comparison: Comparison) -> None:
+    from asmc_pin.pages.plain_words.after_comparison import after_comparison
+
+    verdicts = {label: item.verdict for label, item in comparison.lemma1.items()}
+    say_next(*after_comparison(comparison.experiment, verdicts, str(comparison.out)))
 
 
 @app.command(rich_help_panel=STUDIES)
@@ -110,6 +119,7 @@ def demo() -> None:
     with progress_bar() as progress:
         comparison = run(experiment, force=True, progress=progress, warn=warn)
     print_comparison(comparison)
+    say_next("an experiment of your own", "asmc-pin new mine.toml --from demo")
 
 
 def warn(line: str) -> None:

@@ -14,6 +14,7 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.norm.two_conditions import check_mbar
 from asmc_pin.disk.reading import read_file, shown
 from asmc_pin.errors import ParameterError
+from asmc_pin.words.mistyped import other_separator
 from asmc_pin.words.text import printable
 
 LARGEST = 1_000_000_000
@@ -97,6 +98,9 @@ def _table(path: Path) -> Any:
     # Before pandas sees it, which takes a kilobyte for every column, whatever it holds.
     if data[: data.find(b"\n") if b"\n" in data else None].count(b",") >= _MOST_COLUMNS:
         raise fail(f"its header has more than {_MOST_COLUMNS} columns")
+    foreign = other_separator(data.partition(b"\n")[0][:10_000].decode("utf-8", "replace"), path.name)
+    if foreign is not None:
+        raise ParameterError("along", f"{shown(path)} {foreign}")
     try:
         table = pd.read_csv(io.BytesIO(data), skipinitialspace=True, encoding="utf-8-sig")
     except Exception as error:  # pandas' parsers raise classes that have nothing in common
