@@ -139,6 +139,20 @@ def test_the_largest_step_and_the_ticks_over_a_rate_are_counted_within_the_run()
     assert (figure("torque_step", run(2)), figure("torque_rate_ticks", run(2))) == (0.0, 0.0)
 
 
+def test_steps_as_fast_as_the_limit_are_within_it_however_they_are_rounded():
+    torque = np.append(np.arange(200) * 0.1, 0.0)  # 100 N·m/s; a third of the differences is rounded to above 0.1
+    assert figure("torque_rate_ticks", run(201, torque=torque), torque_rate_limit=100.0) == 0.0
+    assert figure("torque_rate_ticks", run(201, torque=torque), torque_rate_limit=99.9) == 199.0
+
+
+def test_a_dent_of_one_tick_in_a_steady_torque_is_power_and_no_rounding():
+    # Its spectrum is flat: above a cutoff lies the part of the frequencies that is above it.
+    torque = np.full(2001, 10.0)
+    torque[1000] -= 1e-9
+    share = figure("torque_high_frequency_share", run(2001, torque=torque), cutoff_hz=100.0)
+    assert share == pytest.approx(0.8, abs=0.01)
+
+
 def test_a_steady_torque_has_no_chatter_however_large():
     rollout = run(torque=np.full(1001, 1e3 / 3.0))
     assert figure("torque_variation", rollout) == 0.0

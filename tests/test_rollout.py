@@ -347,6 +347,15 @@ def test_progress_runs_up_to_the_number_of_ticks(tmp_path):
     assert done[-1] == 101
 
 
+@pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
+def test_progress_of_a_law_that_is_asked_tick_by_tick_is_told_on_the_way(tmp_path, engine):
+    seen = []
+    plant = Plant(slider(tmp_path, 1.0), engine=engine)
+    rollout(plant, OpenLoop(lambda t: 0.0, 1e-3), Still(np.zeros(1)), 0.1, progress=lambda *at: seen.append(at[0]))
+    assert len(seen) >= 3
+    assert max(np.diff([0, *seen])) <= 50  # at least twice in a tenth of a second
+
+
 def test_a_law_cannot_reach_into_the_plant_through_what_it_is_given(tmp_path):
     class Meddling(OpenLoop):
         def step(self, state, sample, setpoint):

@@ -140,6 +140,16 @@ def test_low_pass_on_the_acceleration_is_a_held_input_lag() -> None:
     assert torques(law)[1][0] == pytest.approx(0.0, abs=1e-14)
 
 
+def test_without_a_filter_the_estimate_forgets_a_spike_of_the_velocity_at_once() -> None:
+    law = Ppc(mbar=1.0, ks=1.0, beta=1.0, period=0.5)
+    still = setpoint((0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
+    state = law.init(sample((0.0, 0.0), (0.0, 0.0), (0.0, 0.0)))
+    for speed in (0.0, 1e18, 0.25, 0.75):
+        torque, state = law.step(state, sample((0.0, 0.0), (speed, speed), (0.0, 0.0)), still)
+    # ė = s = −0.75, wanted −1.5, and q̈ = (0.75 − 0.25)/0.5 = 1 to the last bit.
+    assert torque.tolist() == [[-2.5, -2.5]]
+
+
 def test_a_filter_far_above_the_control_rate_changes_nothing() -> None:
     assert torques(Ppc(**SHARED, filter_hz=1e3)) == torques(Ppc(**SHARED))
 
@@ -547,6 +557,9 @@ WRONG = [
     ("plestan2010", "epsilon", [1.0, 1.0], r"epsilon: got .* expected one number"),
     ("plestan2010", "epsilon", "4LK", r"epsilon: got '4LK'; expected one number, above 0 rad/s, or '4KL'"),
     ("plestan2010", "epsilon", 0.0, r"epsilon: got 0.0; it must be above 0 rad/s"),
+    ("plestan2010", "share", 1.5, r"share: got 1.5; it must be .* at most 1"),
+    ("baek2016", "share", 1.001, r"share: got 1.001; it must be .* at most 1"),
+    ("implicit", "share", 1.5, r"share: got 1.5; it must be .* at most 1"),
     ("ppc", "pairing", "both", r"pairing: got 'both'; expected one of 'matched', 'last', 'mean'"),
     ("baek2016", "phi", [1.0, -1.0], r"phi: entry 2 is -1.0"),
     ("baek2016", "alpha", 0.0, r"alpha: got 0.0; it must be above 0 rad/s"),

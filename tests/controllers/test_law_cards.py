@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import unicodedata
 from functools import cache
 from typing import Any
 
@@ -71,6 +72,24 @@ def test_a_card_is_complete_and_its_block_is_closed(name: str) -> None:
     assert bottom.lstrip()[0] + bottom[-1] == "└┘"
     assert first.endswith("│──> τ")
     assert second.endswith("│")
+    left, right = top.index("┌"), top.index("┐")
+    for line in (first.removesuffix("──> τ"), second, bottom):
+        columns = [sign for sign in line if not unicodedata.combining(sign)]
+        assert [k for k, sign in enumerate(columns) if sign in "│└┘"] == [left, right]
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_card_lists_a_law_s_own_parameters_under_their_heading_or_says_that_there_are_none(name: str) -> None:
+    card = law_card(name, CONTROLLERS[name])
+    lines = card.lines()
+    assert lines[0] == f"{name}: {card.title}"
+    if not card.parameters:
+        assert "Parameters of its own: none" in lines
+        return
+    at = lines.index("Parameters of its own")
+    assert [line.split(":")[0].strip() for line in lines[at + 1 : at + 1 + len(card.parameters)]] == [
+        item.name for item in card.parameters
+    ]
 
 
 def test_the_command_prints_a_card_with_what_a_tick_costs(capfd: pytest.CaptureFixture[str]) -> None:

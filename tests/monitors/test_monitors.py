@@ -331,6 +331,30 @@ def test_a_law_with_another_estimate_has_no_n_and_the_reason_is_given(tmp_path: 
     assert "not for Adrc" in found.claim("eq16").reason
 
 
+class OwnLaw:
+    """A law of the user's own: PPC's step, and none of what the package's laws derive from."""
+
+    def __init__(self, law: Ppc) -> None:
+        self._law = law
+        self.mbar, self.ks, self.beta, self.period = law.mbar, law.ks, law.beta, law.period
+
+    def init(self, seen: Sample) -> Any:
+        return self._law.init(seen)
+
+    def step(self, state: Any, seen: Sample, wanted: Any) -> Any:
+        return self._law.step(state, seen, wanted)
+
+
+def test_a_law_that_says_nothing_of_its_estimate_is_judged_by_the_whole_of_it(tmp_path: Path) -> None:
+    ppc, arm = Ppc(mbar=1.5, period=1e-3, **SHARED), slider(tmp_path, 2.0)
+    seen = rollout(Plant(arm, friction=SMOOTH), OwnLaw(ppc), Accelerating(np.array([2.0])), 0.1)
+    own, shipped = monitor(seen, arm, OwnLaw(ppc)), monitor(seen, arm, ppc)
+    for name in ("norm", "growth", "carried", "error"):
+        np.testing.assert_array_equal(getattr(own, name), getattr(shipped, name), err_msg=name)
+    assert own.norm[0, -1] == pytest.approx(0.25)  # |1 − m̄/m|
+    assert [claim.status for claim in own.claims] == [claim.status for claim in shipped.claims]
+
+
 def test_a_law_without_mbar_has_no_gamma_and_the_reason_is_given(arm: Arm) -> None:
     law = PdGravity(arm=arm, period=1e-3, kp=300.0, kd=30.0)
     seen, plant = run(arm, law, seconds=0.05)

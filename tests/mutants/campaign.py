@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import argparse
+import ast
 import hashlib
 import json
 import os
 import pickle
+import re
 import subprocess
 import sys
 import tomllib
 from collections import Counter
+from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +22,7 @@ import pytest
 from hypothesis import Phase, settings
 
 from mutants.draw import Mutant, by_hand, draw
-from mutants.judge import Covered, Judge, Verdict
+from mutants.judge import LONGEST, Covered, Judge, Verdict, file_of, judging
 from mutants.operators import check_examples
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -55,27 +59,33 @@ def drawn(modules: dict[str, str], count: int, seed: int) -> tuple[list[Mutant],
     return mutants, possible
 
 
-def covered(judge: Judge, modules: list[str], workers: int) -> Covered:
-    """What each test calls; measured anew for files of tests that changed, and all when the package did."""
-    shared = _digest([*ROOT.glob("asmc_pin/**/*.py"), *ROOT.glob("tests/support/*.py")])
+def covered(judge: Judge, names: list[str], modules: list[str], workers: int) -> Covered:
+    """What tests call; measured anew for those whose file changed, or that call a module that did."""
+    compilation = "off" if os.environ.get("NUMBA_DISABLE_JIT") == "1" else "on"
+    shared = f"{compilation}-{LONGEST:g}s-{_digest([*ROOT.glob('tests/support/*.py'), HERE / 'plain_steps.py'])}"
     found: Covered = {}
-    for file in sorted({name.split("::", maxsplit=1)[0] for name in judge.items}):
-        names = [name for name in judge.items if name.split("::", maxsplit=1)[0] == file]
-        kept = (
-            SCRATCH
-            / f"calls-{os.environ.get('NUMBA_DISABLE_JIT', '0')}-{shared}-{_digest([ROOT / file])}-{len(names)}.json"
-        )
-        if kept.exists():
-            held = {
-                name: (seconds, frozenset(calls)) for name, (seconds, calls) in json.loads(kept.read_text()).items()
-            }
-        else:
-            held = judge.cover(names, modules, workers)
+    for file in dict.fromkeys(map(file_of, names)):
+        kept = SCRATCH / f"calls-{shared}-{_digest([ROOT / file])}.json"
+        known = json.loads(kept.read_text()) if kept.exists() else {}
+        asked = [name for name in names if file_of(name) == file]
+        missing = [name for name in asked if name not in known or not _still_true(known[name])]
+        if missing:
+            made = judge.cover(missing, modules, workers)
+            for name in missing:
+                seconds, calls = made.get(name, (-1.0, frozenset()))  # −1: it does not judge
+                called = [ROOT / module for module in {each.split(":")[0] for each in calls}]
+                known[name] = [seconds, sorted(calls), _digest(called)]
             kept.parent.mkdir(parents=True, exist_ok=True)
-            kept.write_text(json.dumps({name: (seconds, sorted(calls)) for name, (seconds, calls) in held.items()}))
-            print(f" {file}: {len(held)} of {len(names)} tests judge", flush=True)
-        found |= held
+            kept.write_text(json.dumps(known))
+            print(f" {file}: {len(made)} of {len(missing)} tests judge", flush=True)
+        found |= {name: (known[name][0], frozenset(known[name][1])) for name in asked if known[name][0] >= 0.0}
     return found
+
+
+def _still_true(known: list[Any]) -> bool:
+    """Whether the modules that a test called are as they were."""
+    modules = [ROOT / module for module in {each.split(":")[0] for each in known[1]}]
+    return all(module.exists() for module in modules) and _digest(modules) == known[2]
 
 
 def equivalents() -> dict[tuple[str, str, str], str]:
@@ -113,13 +123,39 @@ def _survived(verdict: Verdict) -> bool:
     return verdict.what in ("survived", "not called")
 
 
+_COMPILERS = re.compile(r"((numba\.)?njit\b|(compiled|short_loops|inlined|with_room|trial_step)$)")
+
+
+def _compiled_functions(source: str) -> set[str]:
+    """The functions of a module that are compiled where they stand."""
+    return {
+        each.name
+        for each in ast.parse(source).body
+        if isinstance(each, ast.FunctionDef) and any(_COMPILERS.match(ast.unparse(d)) for d in each.decorator_list)
+    }
+
+
+@cache
+def _seen_by_compiled_code() -> frozenset[str]:
+    """The modules with compiled functions, and those from which they import, by their paths."""
+    seen = set()
+    for path in ROOT.glob("asmc_pin/**/*.py"):
+        source = path.read_text(encoding="utf-8")
+        if _compiled_functions(source):
+            named = re.findall(r"^from (asmc_pin[.\w]*) import", source, re.MULTILINE)
+            seen |= {path.relative_to(ROOT).as_posix(), *(f"{name.replace('.', '/')}.py" for name in named)}
+    return frozenset(seen)
+
+
 def compiled(mutant: Mutant) -> bool:
     """Whether a mutant is judged with compilation off.
 
-    So is what is compiled, and what is not the code of a function, as compiled code keeps constants that it has seen.
-    All else is judged with compilation on, where whole runs of the plant are quick.
+    So is a compiled function, and what is not the code of a function in a module of which compiled code may have seen
+    the constants, which it keeps. All else is judged with compilation on, where whole runs of the plant are quick.
     """
-    return mutant.function is None or "njit" in mutant.source or "@compiled" in mutant.source
+    if mutant.function is None:
+        return mutant.module in _seen_by_compiled_code()
+    return mutant.function in _compiled_functions(mutant.source)
 
 
 def _file(seed: int, compilation: str) -> Path:
@@ -132,37 +168,92 @@ def _held(seed: int, *compilations: str) -> dict[tuple[str, ...], Verdict]:
     return {tuple(name): Verdict(*each) for file in files for name, each in json.loads(file.read_text())}
 
 
-def _campaign(mutants: list[Mutant], parts: dict[str, str], judges: dict[str, list[str]], asked: Any) -> None:
-    """Judge mutants in this process and its forks, and keep what comes of each."""
-    order = list(dict.fromkeys(parts.values()))
-    mutants = sorted(mutants, key=lambda m: order.index(parts[m.module]))
+def _killers() -> dict[tuple[str, ...], str]:
+    """The test that noticed each mutant when it was last judged; it goes first the next time."""
+    kept = SCRATCH / "killers.json"
+    return {tuple(name): test for name, test in json.loads(kept.read_text())} if kept.exists() else {}
 
-    def work(judge: Judge) -> None:
-        judge.warm(judges["warm"])
-        calls = covered(judge, list(parts), asked.workers)
-        for done, (mutant, verdict) in enumerate(judge.verdicts(mutants, calls, asked.workers), 1):
-            held = _held(asked.seed, asked.compilation) | {mutant.name: verdict}
-            listed = [[name, [each.what, each.by, each.tests]] for name, each in held.items()]
-            _file(asked.seed, asked.compilation).write_text(json.dumps(listed))
+
+@dataclass
+class _Round:
+    """What is tried in one process, with compilation on or off."""
+
+    mutants: list[Mutant]
+    parts: dict[str, str]
+    judges: dict[str, list[str]]
+    asked: Any
+    killers: dict[tuple[str, ...], str] = field(default_factory=_killers)
+    calls: Covered = field(default_factory=dict)
+
+    def work(self, judge: Judge) -> None:
+        """Show each mutant the test that killed it before, then its part's, one file after the other."""
+        judge.warm(self.judges["warm"])
+        trying = {m.name for m in self.mutants}
+        self._keep({name: verdict for name, verdict in self._held().items() if name not in trying})
+        known = {m: [test] for m in self.mutants if (test := self.killers.get(m.name)) in judge.items}
+        self._cover(judge, [name for names in known.values() for name in names])
+        left = self._try(judge, {m: [n for n in names if n in self.calls] for m, names in known.items()}, "")
+        left += [m for m in self.mutants if m not in known]
+        outside = {m: self._judges(judge, self.parts[m.module]) for m in left if m.function is None}
+        inside = [m for m in left if m.function is not None]
+        for file in dict.fromkeys(map(file_of, judge.items)):
+            names = {part: [n for n in self._judges(judge, part) if file_of(n) == file] for part in self.judges}
+            near = [m for m in inside if names[self.parts[m.module]]]
+            if near:
+                self._cover(judge, [name for m in near for name in names[self.parts[m.module]]])
+                shown = {m: judging(m, self.calls, names[self.parts[m.module]]) for m in near}
+                left = self._try(judge, shown, file)
+                inside = [m for m in inside if m not in near or m in left]
+        # A new process for each costs some seconds: one for all tests of their part.
+        self._cover(judge, [name for names in outside.values() for name in names])
+        self._try(judge, {m: judging(m, self.calls, names) for m, names in outside.items()}, "all tests of their part")
+
+    def _judges(self, judge: Judge, part: str) -> list[str]:
+        """The tests that judge a part."""
+        asked = self.asked.judge or self.judges[part]
+        return [name for name in judge.items if any(name.startswith(each) for each in asked)]
+
+    def _cover(self, judge: Judge, names: list[str]) -> None:
+        self.calls |= covered(judge, [*dict.fromkeys(names)], list(self.parts), self.asked.workers)
+
+    def _try(self, judge: Judge, shown: dict[Mutant, list[str]], by: str) -> list[Mutant]:
+        """Judge mutants, keep what comes of each, and give back those that no test noticed so far."""
+        left = []
+        for mutant, verdict in judge.verdicts(shown, self.calls, self.asked.workers):
+            held = self._held()
+            before = held.get(mutant.name, Verdict("not called"))
             if _survived(verdict):
-                print(f"{done}/{len(mutants)} {verdict.what}: {mutant.module}:{mutant.line}", flush=True)
+                left.append(mutant)
+                shown_all = before.tests + verdict.tests if by else 0
+                verdict = Verdict("survived" if shown_all else "not called", "", shown_all)
+            elif verdict.what == "killed":
+                self.killers[mutant.name] = verdict.by
+                (SCRATCH / "killers.json").write_text(json.dumps([*self.killers.items()]))
+            self._keep(held | {mutant.name: verdict})
+        print(f"{by or 'what killed before'}: {len(shown) - len(left)} of {len(shown)} noticed", flush=True)
+        return left
 
-    # The same examples for every mutant, none kept, and no time spent on making a failing one small.
-    settings.register_profile("mutants", database=None, derandomize=True, phases=[Phase.explicit, Phase.generate])
-    settings.load_profile("mutants")
-    quiet = ["-q", "--no-header", "-p", "no:cacheprovider", "-s", "-o", "addopts=--strict-markers"]
-    quiet += ["-m", "not long and not soundness"]
-    tests = [
-        *(asked.judge or judges["tests"]),
-        *judges["warm"],
-        "-m",
-        "not long and not soundness",
-        "--rootdir",
-        str(ROOT),
-    ]
-    status = pytest.main([*quiet, *tests], plugins=[Judge(ROOT, work)])
-    if status not in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
-        sys.exit(4)
+    def _held(self) -> dict[tuple[str, ...], Verdict]:
+        return _held(self.asked.seed, self.asked.compilation)
+
+    def _keep(self, verdicts: dict[tuple[str, ...], Verdict]) -> None:
+        listed = [[name, [each.what, each.by, each.tests]] for name, each in verdicts.items()]
+        _file(self.asked.seed, self.asked.compilation).write_text(json.dumps(listed))
+
+    def run(self) -> None:
+        """Collect the tests and work."""
+        # The same examples for every mutant, none kept, and no time spent on making a failing one small.
+        settings.register_profile("mutants", database=None, derandomize=True, phases=[Phase.explicit, Phase.generate])
+        settings.load_profile("mutants")
+        quiet = ["-q", "--no-header", "-p", "no:cacheprovider", "-p", "mutants.plain_steps", "-s"]
+        quiet += ["-o", "addopts=--strict-markers", "-m", "not long and not soundness", "--rootdir", str(ROOT)]
+        near = [
+            f for part in self.judges if part in {self.parts[m.module] for m in self.mutants} for f in self.judges[part]
+        ]
+        tests = [*dict.fromkeys([*(self.asked.judge or near), *self.judges["warm"]])]
+        status = pytest.main([*quiet, *tests], plugins=[Judge(ROOT, self.work)])
+        if status not in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
+            sys.exit(4)
 
 
 def main() -> None:
@@ -174,6 +265,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--again", action="store_true", help="only those that survived the last run, or were not run")
+    parser.add_argument("--equivalents", action="store_true", help="also try those that are named equivalent")
     parser.add_argument("--judge", action="append", help="a file of tests that judges, in place of all; repeatable")
     parser.add_argument("--compilation", choices=("on", "off"), help=argparse.SUPPRESS)
     asked = parser.parse_args()
@@ -183,13 +275,18 @@ def main() -> None:
     faults = tomllib.loads((HERE / "by_hand.toml").read_text(encoding="utf-8"))["fault"]
     every = list({m.name: m for m in (*mutants, *by_hand(ROOT, faults))}.values())
     chosen = [m for m in every if parts[m.module] in (asked.part or targets["parts"])]
+    known = {} if asked.equivalents else equivalents()
+    named = {m: Verdict("equivalent") for m in chosen if m.name in known}
+    chosen = [m for m in chosen if m not in named]
     if asked.again:
         held = _held(asked.seed, "on", "off")
-        chosen = [m for m in chosen if m.name not in held or (_survived(held[m.name]) and m.name not in equivalents())]
+        chosen = [m for m in chosen if m.name not in held or _survived(held[m.name])]
     if asked.compilation is not None:
         now = [m for m in chosen if compiled(m) == (asked.compilation == "off")]
         if now:
-            _campaign(now, parts, targets["judges"], asked)
+            order = list(targets["parts"])
+            now.sort(key=lambda m: order.index(parts[m.module]))
+            _Round(now, parts, targets["judges"], asked).run()
         return
     print(f"{len(mutants)} of {possible} faults by seed {asked.seed}, {len(faults)} by hand; {len(chosen)} to try")
     for compilation in ("on", "off"):
@@ -203,7 +300,7 @@ def main() -> None:
         if done.returncode:
             sys.exit(done.returncode)
     held = _held(asked.seed, "on", "off")
-    verdicts = {m: held[m.name] for m in every if m.name in held}
+    verdicts = {m: held[m.name] for m in every if m.name in held} | named
     good = report(verdicts, parts, possible)
     if len(verdicts) < len(every):
         print(f"{len(every) - len(verdicts)} not run")

@@ -26,11 +26,11 @@ from _pytest.runner import runtestprotocol
 
 from mutants.draw import Mutant, changed_function
 
-LONGEST = 3.0
+LONGEST = 2.0
 """Seconds of processor time that a test may take and still judge mutants."""
 
-ENOUGH = 30.0
-"""Seconds of processor time, without a fault, of all tests that one mutant is shown."""
+ENOUGH = 5.0
+"""Seconds of processor time, without a fault, of all tests of a file that one mutant is shown."""
 
 PATIENCE = 5.0
 """A mutant under which the tests take so many times as long, and as many seconds more, is killed: it does not end."""
@@ -107,25 +107,22 @@ class Judge:
         reports = runtestprotocol(self.items[name], log=False, nextitem=after)
         return all(report.passed or report.skipped for report in reports) and any(r.passed for r in reports)
 
-    def verdicts(self, mutants: list[Mutant], covered: Covered, workers: int) -> Iterator[tuple[Mutant, Verdict]]:
-        """Try mutants, and say of each what became of it."""
+    def verdicts(
+        self, shown: dict[Mutant, list[str]], covered: Covered, workers: int
+    ) -> Iterator[tuple[Mutant, Verdict]]:
+        """Try mutants, each on the tests that it is shown, and say of each what became of it."""
+        mutants = list(shown)
         live = _live_functions({str(self.root / m.module) for m in mutants})
         jobs: list[tuple[Any, Callable[[Any], None]]] = []
-        shown: dict[int, list[str]] = {}
         for k, mutant in enumerate(mutants):
-            cold = mutant.function is None
-            names = judging(mutant, covered)
-            shown[k] = names
+            names = shown[mutant]
             if not names:
-                continue
-            if cold:
+                yield mutant, Verdict("not called")
+            elif mutant.function is None:
                 jobs.append((k, lambda out, m=mutant, n=names: out.write(_cold(self.root, m, n))))
             else:
                 seconds = sum(covered[name][0] for name in names)
                 jobs.append((k, lambda out, m=mutant, n=names, s=seconds: self._warm(m, live, n, s, out)))
-        for k, names in shown.items():
-            if not names:
-                yield mutants[k], Verdict("not called")
         for k, text, status in forked(jobs, workers):
             done = [line for line in text.splitlines() if line]
             if status > 0:
@@ -133,7 +130,7 @@ class Judge:
             if done and done[-1].startswith("killed "):
                 verdict = Verdict("killed", done[-1].removeprefix("killed "), len(done))
             elif done and done[-1] == "survived":
-                verdict = Verdict("survived", "", len(shown[k]))
+                verdict = Verdict("survived", "", len(shown[mutants[k]]))
             else:
                 verdict = Verdict("endless", f"signal {-status}", len(done))
             yield mutants[k], verdict
@@ -161,18 +158,19 @@ class Judge:
         out.write("survived\n")
 
 
-def judging(mutant: Mutant, covered: Covered) -> list[str]:
-    """The tests that a mutant is shown, the quickest first: those that call its function.
+def judging(mutant: Mutant, covered: Covered, among: list[str]) -> list[str]:
+    """The tests, of some, that a mutant is shown, the quickest first: those that call its function.
 
     What is no function's code (a default, a constant) is not called: all tests stand for it of those files in which one
     calls something of its module.
     """
+    among = [name for name in among if name in covered]
     if mutant.function is not None:
-        names = [name for name, (_, called) in covered.items() if f"{mutant.module}:{mutant.function}" in called]
+        names = [name for name in among if f"{mutant.module}:{mutant.function}" in covered[name][1]]
     else:
         inside = f"{mutant.module}:"
-        near = {_file(name) for name, (_, called) in covered.items() if any(each.startswith(inside) for each in called)}
-        names = [name for name in covered if _file(name) in near]
+        near = {file_of(name) for name in among if any(each.startswith(inside) for each in covered[name][1])}
+        names = [name for name in among if file_of(name) in near]
     names.sort(key=lambda name: covered[name][0])
     taken, total = [], 0.0
     for name in names:
@@ -183,7 +181,8 @@ def judging(mutant: Mutant, covered: Covered) -> list[str]:
     return taken
 
 
-def _file(test: str) -> str:
+def file_of(test: str) -> str:
+    """The file of a test, from its name."""
     return test.split("::", maxsplit=1)[0]
 
 
@@ -207,7 +206,18 @@ def _cold(root: Path, mutant: Mutant, names: list[str]) -> str:
     with tempfile.NamedTemporaryFile("w", suffix=".py", encoding="utf-8") as file:
         file.write(mutant.source)
         file.flush()
-        command = [sys.executable, "-m", "pytest", "-p", "mutants.substitute", "-x", "-q", *names]
+        command = [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-p",
+            "mutants.substitute",
+            "-p",
+            "mutants.plain_steps",
+            "-x",
+            "-q",
+            *names,
+        ]
         command += ["-p", "no:cacheprovider", "-p", "no:randomly", "-n", "0"]
         environment = os.environ | {"MUTANT_OF": str(root / mutant.module), "MUTANT": file.name}
         environment["PYTHONPATH"] = os.pathsep.join([str(root), str(root / "tests"), environment.get("PYTHONPATH", "")])
@@ -217,7 +227,7 @@ def _cold(root: Path, mutant: Mutant, names: list[str]) -> str:
     if done.returncode == 0:
         return "survived\n"
     failed = [line for line in done.stdout.splitlines() if line.startswith(("FAILED", "ERROR"))]
-    return f"killed {failed[0] if failed else 'while imported'}\n"
+    return f"killed {failed[0].split()[1] if failed else 'while imported'}\n"
 
 
 def _spent() -> float:
@@ -240,6 +250,8 @@ def _progress(mark: str) -> None:
 def forked(jobs: list[tuple[Any, Callable[[Any], None]]], workers: int) -> Iterator[tuple[Any, str, int]]:
     """Run each job in a fork, some at a time: its key, what it wrote, and its exit status (negative: a signal)."""
     waiting, running = list(reversed(jobs)), dict[int, tuple[Any, Path]]()
+    gc.collect()
+    gc.freeze()  # a fork that looks for garbage among what is here would copy all of it
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
         while waiting or running:
             while waiting and len(running) < workers:
@@ -255,6 +267,7 @@ def forked(jobs: list[tuple[Any, Callable[[Any], None]]], workers: int) -> Itera
             key, path = running.pop(pid)
             text = path.read_text(encoding="utf-8") if path.exists() else ""
             yield key, text, os.waitstatus_to_exitcode(raw)
+    gc.unfreeze()
 
 
 def _run_and_exit(job: Callable[[Any], None], path: Path) -> None:

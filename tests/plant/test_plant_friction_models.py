@@ -203,6 +203,13 @@ def test_a_scheme_that_cannot_carry_presliding_says_so(arm):
         Plant(arm, friction=Friction(1.0, presliding=1e3), integrator="rk4")
 
 
+def test_presliding_is_for_every_joint_with_coulomb_friction_or_for_none():
+    two = load_arm("two_link")
+    with pytest.raises(ParameterError, match=r"friction.presliding: is 0 in a joint with Coulomb friction"):
+        Plant(two, friction=Friction([1.0, 1.0], presliding=[1e3, 0.0])).begin(np.zeros((1, 2)), np.zeros((1, 2)), 1e-3)
+    Plant(two, friction=Friction([1.0, 0.0], presliding=[1e3, 0.0])).begin(np.zeros((1, 2)), np.zeros((1, 2)), 1e-3)
+
+
 # A term of velocity ---------------------------------------------------------------------------------------------------
 
 

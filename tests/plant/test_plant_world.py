@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import re
 
 import numpy as np
 import pinocchio as pin
@@ -308,6 +309,16 @@ def test_a_world_that_does_not_fit_the_arm_is_refused(arm):
         Plant(arm, disturbances=[Disturbance(profile="step", torque=[1.0, 2.0])])
     with pytest.raises(ParameterError, match=r"at least \d+ substeps"):
         run(arm, end_stops=EndStops(stiffness=1e8))
+
+
+def test_as_many_substeps_as_are_named_resolve_the_stops_and_one_less_does_not(arm):
+    with pytest.raises(ParameterError) as refused:
+        run(arm, end_stops=EndStops(stiffness=1e8))
+    least = int(re.search(r"at least (\d+) substeps", str(refused.value))[1])
+    start = np.zeros((1, arm.nv))
+    Plant(arm, end_stops=EndStops(stiffness=1e8), substeps=least).begin(start, start, 1e-3)
+    with pytest.raises(ParameterError, match=f"at least {least} substeps"):
+        Plant(arm, end_stops=EndStops(stiffness=1e8), substeps=least - 1).begin(start, start, 1e-3)
 
 
 ALIKE = [

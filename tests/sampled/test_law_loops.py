@@ -39,6 +39,21 @@ def test_a_law_is_found_to_be_linear_where_it_is(name: str) -> None:
     assert kind == KINDS[name]
 
 
+def test_a_law_that_brakes_only_on_the_way_back_is_not_linear() -> None:
+    """Each reading alone, doubled or turned round, says nothing of it: angle and velocity have to differ in sign."""
+
+    class Returning(Ppc):
+        def step(self, state: Any, sample: Any, setpoint: Any) -> Any:
+            torque, _, state = self.pole_placement(state, sample, setpoint)
+            back = sample.q * sample.v < 0.0
+            return torque - np.where(
+                back, 100.0 * np.sign(sample.v) * np.minimum(abs(sample.q), abs(sample.v)), 0.0
+            ), state
+
+    assert linear_form(law_for("ppc"), 2) is not None
+    assert linear_form(Returning(mbar=[0.6, 0.5], **GAINS), 2) is None
+
+
 TIMINGS: list[dict[str, Any]] = [
     {},
     {"acceleration": "position"},
