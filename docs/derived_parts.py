@@ -233,7 +233,7 @@ part("claims")(
     lambda: table(
         ["claim", "what it says", "unit of what breaks it", "asked of"],
         (
-            [*map(for_cell, (s.title, s.text, s.unit)), "the adaptive law" if s.adaptive else "every law with an M̄"]
+            [*map(for_cell, (s.title, s.text, s.unit, s.asked_of))]
             for s in STATEMENTS.values()
         ),
     )

@@ -13,6 +13,7 @@ from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
 from asmc_pin.controllers.one_trial.compiled_tde import MBAR, OWN, OWN_MEMORY, S, pole_placement
 from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
+from asmc_pin.controllers.promises.run_history import Promise
 from asmc_pin.controllers.protocol import Sample
 from asmc_pin.controllers.switching.backward_euler import band_slopes, share_scalar, switched, switching_choice
 from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, signed
@@ -106,6 +107,10 @@ class Baek2016(TdeLaw):
         )
 
     trial_step: ClassVar[TrialStep | None] = _step
+
+    def promises(self) -> Mapping[str, Promise | str]:
+        """Its bounded gain is Lemma 2, which the monitors judge as such."""
+        return {"gain": "Lemma 2 is this claim of it"}
 
     def switching_term(self, s: Array, gain: Array) -> Array | None:
         """The term w = k̂ sgn(s) at the ticks of a run, None if it is implicit; see `TdeLaw.switching_term`."""

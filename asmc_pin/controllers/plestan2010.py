@@ -13,6 +13,8 @@ from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
 from asmc_pin.controllers.one_trial.compiled_tde import MBAR, OWN, OWN_MEMORY, S, pole_placement
 from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
+from asmc_pin.controllers.promises.bounded_gain import BoundedByEnergy
+from asmc_pin.controllers.promises.run_history import Promise
 from asmc_pin.controllers.protocol import Sample
 from asmc_pin.controllers.switching.backward_euler import band_slopes, share_scalar, switched, switching_choice
 from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, signed
@@ -105,6 +107,15 @@ class Plestan2010(TdeLaw):
         )
 
     trial_step: ClassVar[TrialStep | None] = _step
+
+    def promises(self) -> Mapping[str, Promise | str]:
+        """That k̂ stays bounded."""
+        if self.switching != "explicit":
+            return {
+                "gain": "it is proved for k̂ sgn(s), not for its implicit form, which is less than k̂ inside its band"
+            }
+        epsilon = None if isinstance(self.epsilon, str) else float(self.epsilon)
+        return {"gain": BoundedByEnergy(self.rate, self.floor, epsilon, self.beta, self.period)}
 
     def switching_term(self, s: Array, gain: Array) -> Array | None:
         """The term w = k̂ sgn(s) at the ticks of a run, None if it is implicit; see `TdeLaw.switching_term`."""

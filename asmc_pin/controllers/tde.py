@@ -24,6 +24,7 @@ from asmc_pin._typing import Array
 from asmc_pin.controllers.one_trial.compiled_law import CompiledLaw, run_step
 from asmc_pin.controllers.one_trial.compiled_tde import plain_step, surface, with_sign
 from asmc_pin.controllers.one_trial.state_rows import as_rows, from_rows
+from asmc_pin.controllers.promises.run_history import Promise
 from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.errors import ParameterError
 from asmc_pin.numerics.short_loops import as_written
@@ -135,7 +136,7 @@ class TdeLaw(CompiledLaw):
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """A class derived from a law may do something else in a tick: what it does not say itself is not known."""
         super().__init_subclass__(**kwargs)
-        for name in ("switching_term", "theorem1"):
+        for name in ("switching_term", "theorem1", "promises"):
             if name not in vars(cls):
                 setattr(cls, name, vars(TdeLaw)[name])
 
@@ -179,6 +180,10 @@ class TdeLaw(CompiledLaw):
             w at these ticks, (batch, T, nv), rad/s²; None if the law does not say.
         """
         return None
+
+    def promises(self) -> Mapping[str, Promise | str]:
+        """What its source claims of a run, by the monitors' keys, or why it does not here; of one class alone."""
+        return {}
 
     @property
     def boundary_slope(self) -> Array | None:

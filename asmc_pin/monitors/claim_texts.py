@@ -30,6 +30,8 @@ class ClaimText:
         latex: Its heading in a LaTeX table.
         ticks: Which ticks it is checked at, as it follows a number of them.
         adaptive: Whether it speaks of the adaptive law (11) alone.
+        sources: The laws whose sources claim it, in words; empty for what Baek (2016) proves. What it says of each,
+            with its figures, is the law's own: see `asmc_pin.controllers.TdeLaw.promises`.
     """
 
     title: str
@@ -38,6 +40,12 @@ class ClaimText:
     latex: str
     ticks: str
     adaptive: bool = False
+    sources: str = ""
+
+    @property
+    def asked_of(self) -> str:
+        """Of which laws it is asked."""
+        return self.sources or ("the adaptive law" if self.adaptive else "every law with an M̄")
 
 
 STATEMENTS: Mapping[str, ClaimText] = {
@@ -61,8 +69,43 @@ STATEMENTS: Mapping[str, ClaimText] = {
         "finite t_ε", "s enters ‖s‖_∞ < ε, by V/(βε²) after the start", "s", r"$t_\varepsilon$", "run", True
     ),
     "eq21": ClaimText("Theorem 1 (21)", "‖s‖₂ < √(nε² + k̃_M) from t_ε on", "rad/s", "(21)", "ticks from t_ε on", True),
+    "width": ClaimText(
+        "|s| < ε",
+        "once |sᵢ| < ε, it stays so",
+        "rad/s",
+        r"$|s| < \varepsilon$",
+        "ticks from then on",
+        sources="barrier",
+    ),
+    "finite_time": ClaimText(
+        "finite time",
+        "once |σᵢ| ≤ Φ it stays so, and |eᵢ| ≤ Φ by |e₀|^{1−1/p}/(B^{1/p}(1 − 1/p)) later",
+        "rad",
+        "finite time",
+        "ticks from then on",
+        sources="ntsm",
+    ),
+    "second_order": ClaimText(
+        "second-order sliding",
+        "once reached, |s| ≤ c₁L² and |ds/dt| ≤ c₂L, while the push on s changes slowly enough",
+        "times its bound",
+        "second order",
+        "ticks in which it is reached",
+        sources="sta",
+    ),
+    "gain": ClaimText(
+        "bounded gain",
+        "k̂ keeps to the bound of its source's proof",
+        "rad/s²",
+        "gain bounded",
+        "ticks",
+        sources="plestan2010 and barrier",
+    ),
 }
 """The claims by their keys, in the order of the tables."""
+
+BAEK: Mapping[str, ClaimText] = {key: item for key, item in STATEMENTS.items() if not item.sources}
+"""Those of them that Baek (2016) proves."""
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,10 @@ from asmc_pin._typing import Array, BoolArray
 from asmc_pin.engine import Rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.monitors import claim_verdicts
-from asmc_pin.monitors.claim_texts import STATEMENTS, Claim, not_applicable
+from asmc_pin.monitors.claim_texts import BAEK, STATEMENTS, Claim, not_applicable
 from asmc_pin.monitors.law_signals import Signals, signals_of
 from asmc_pin.monitors.lyapunov_monitor import lyapunov_of
+from asmc_pin.monitors.source_claims import source_claims
 from asmc_pin.monitors.tde_monitor import contraction_of
 from asmc_pin.monitors.true_arm import Truth, World
 
@@ -96,6 +97,7 @@ def monitor(
     """
     truth = Truth(rollout, arm, trials, effort_limit)
     batch, ticks, nv = rollout.q.shape
+    numbers = range(batch) if trials is None else trials
     mbar = _mbar(law, nv) if getattr(law, "estimates", True) else None
     out: dict[str, Any] = {name: np.full((batch, ticks), np.nan) for name in _PER_TICK}
     out |= {name: np.full((batch, ticks, nv), np.nan) for name in ("error", "gain_bound")}
@@ -110,6 +112,7 @@ def monitor(
             out["star"] = np.fmax.reduce(np.abs(signals.error), axis=1)
         for trial in range(batch):
             found = _trial(trial, rollout, truth, law, mbar, out)
+            found += source_claims(trial, rollout, arm, numbers[trial], law, out, truth.effort_limit[trial])
             if rollout.status[trial] != "ok":
                 found = [claim.cut_short(float(rollout.end_time[trial])) for claim in found]
             claims += found
@@ -136,11 +139,9 @@ def _trial(
     if mbar is None:
         reason = f"{type(law).__name__} has no M̄, so there is no Γ of (3)"
         if getattr(law, "estimates", True):
-            return [not_applicable(key, trial, reason) for key in STATEMENTS]
+            return [not_applicable(key, trial, reason) for key in BAEK]
         reason = f"{type(law).__name__} has an estimate of its own in the place of (6), so there is no N"
-        return [
-            not_applicable(key, trial, _other_law(law) if item.adaptive else reason) for key, item in STATEMENTS.items()
-        ]
+        return [not_applicable(key, trial, _other_law(law) if item.adaptive else reason) for key, item in BAEK.items()]
     weight = float(getattr(law, "estimate_weight", 1.0))
     found = contraction_of(out["signals"], rollout, truth, mbar, trial, weight)
     for name in ("norm", "growth", "carried"):
@@ -148,10 +149,10 @@ def _trial(
     claims = [claim_verdicts.lemma1(trial, rollout.time, found), claim_verdicts.contraction(trial, rollout.time, found)]
     if not getattr(law, "theorem1", False):
         reason = _other_law(law)
-        return claims + [not_applicable(key, trial, reason) for key, item in STATEMENTS.items() if item.adaptive]
+        return claims + [not_applicable(key, trial, reason) for key, item in BAEK.items() if item.adaptive]
     if getattr(law, "switching", "explicit") != "explicit":
         reason = "it is proved for k̂ sgn(s), not for its implicit form, which is less than k̂ inside its band"
-        return claims + [not_applicable(key, trial, reason) for key, item in STATEMENTS.items() if item.adaptive]
+        return claims + [not_applicable(key, trial, reason) for key, item in BAEK.items() if item.adaptive]
     proof = lyapunov_of(out["signals"], rollout.gain, law, out["star"], trial)
     out["lyapunov"][trial] = proof.value
     for name in ("excess", "s_size", "claimed", "gain_bound", "s_bound"):

@@ -8,7 +8,7 @@ import pandas as pd
 
 from asmc_pin.monitors import STATEMENTS, STATUSES
 from asmc_pin.pages.html_fragments import definition_list, details
-from asmc_pin.pages.theorem_tables import INTRODUCTION, TITLE, reasons, theorem_table
+from asmc_pin.pages.theorem_tables import INTRODUCTION, TITLE, asked, reasons, theorem_table
 from asmc_pin.words.media import for_html
 
 
@@ -20,8 +20,9 @@ def theorem_section(claims: pd.DataFrame, colours: Mapping[str, str]) -> Iterato
         colours: Colour of each controller, shown beside its name.
     """
     table = theorem_table(claims)
+    shown = [STATEMENTS[key] for key in asked(claims)]
     yield f'<h2 id="theorems">{for_html(TITLE)}</h2><p class="soft">{for_html(INTRODUCTION)}</p>'
-    head = "".join(f'<th scope="col">{for_html(item.title)}</th>' for item in STATEMENTS.values())
+    head = "".join(f'<th scope="col">{for_html(item.title)}</th>' for item in shown)
     rows = []
     for i, label in enumerate(table.header[1:], start=1):
         chip = f'<span class="chip" style="--colour:{colours[label]}"></span>' if label in colours else ""
@@ -29,7 +30,7 @@ def theorem_section(claims: pd.DataFrame, colours: Mapping[str, str]) -> Iterato
         rows.append(f'<tr><th scope="row">{chip}{for_html(label)}</th>{cells}</tr>')
     body = f"<thead><tr><th></th>{head}</tr></thead><tbody>{''.join(rows)}</tbody>"
     yield f'<div class="scroll" tabindex="0"><table class="claims">{body}</table></div>'
-    texts = definition_list([(item.title, item.text) for item in STATEMENTS.values()])
+    texts = definition_list([(item.title, item.text) for item in shown])
     yield details("What each claim says", f'<div class="body">{texts}</div>')
     for label, lines in reasons(claims):
         items = "".join(f"<li>{for_html(line)}</li>" for line in lines)

@@ -6,7 +6,7 @@ import math
 
 import pandas as pd
 
-from asmc_pin.monitors import CAUSES, STATEMENTS
+from asmc_pin.monitors import BAEK, CAUSES, STATEMENTS
 from asmc_pin.monitors.claim_texts import tick_share, verdict_text
 from asmc_pin.pages.tables.text_table import Table, markdown_table, number
 from asmc_pin.words.media import for_latex, for_markdown
@@ -20,15 +20,22 @@ INTRODUCTION = (
 )
 
 
+def asked(claims: pd.DataFrame) -> list[str]:
+    """Keys of the claims that are shown: those of the paper, and of other sources those that a controller is asked."""
+    speaking = set(claims.claim[claims.status != "not applicable"])
+    return [key for key in STATEMENTS if key in BAEK or key in speaking]
+
+
 def theorem_table(claims: pd.DataFrame) -> Table:
-    """A row for each claim, a column for each controller.
+    """A row for each claim that is `asked`, a column for each controller.
 
     Args:
         claims: See `asmc_pin.monitors.claim_rows`.
     """
     labels = list(dict.fromkeys(claims.controller))
     rows = []
-    for key, statement in STATEMENTS.items():
+    for key in asked(claims):
+        statement = STATEMENTS[key]
         cells = [_cell(claims[(claims.controller == label) & (claims.claim == key)]) for label in labels]
         rows.append([f"{statement.title}: {statement.text}", *cells])
     return Table(TITLE, ["claim", *labels], rows)
@@ -85,18 +92,19 @@ def theorems_latex(claims: pd.DataFrame, about: str) -> str:
         claims: See `asmc_pin.monitors.claim_rows`.
         about: The arm with all that is supposed about it.
     """
+    shown = asked(claims)
     lines = [
         r"\begin{table}[t]",
         r"  \centering",
         rf"  \caption{{The theorems of Baek, Jin and Han (2016), held against the runs on {for_latex(about)}.}}",
         r"  \label{tab:theorems}",
-        rf"  \begin{{tabular}}{{l{'l' * len(STATEMENTS)}}}",
+        rf"  \begin{{tabular}}{{l{'l' * len(shown)}}}",
         r"    \toprule",
-        "    Controller & " + " & ".join(item.latex for item in STATEMENTS.values()) + r" \\",
+        "    Controller & " + " & ".join(STATEMENTS[key].latex for key in shown) + r" \\",
         r"    \midrule",
     ]
     for label, rows in claims.groupby("controller", sort=False):
-        cells = [_latex_cell(rows[rows.claim == key]) for key in STATEMENTS]
+        cells = [_latex_cell(rows[rows.claim == key]) for key in shown]
         lines.append("    " + " & ".join([for_latex(str(label)), *cells]) + r" \\")
     lines += [r"    \bottomrule", r"  \end{tabular}", r"\end{table}", ""]
     return "\n".join(lines)
@@ -114,10 +122,12 @@ def _latex_cell(rows: pd.DataFrame) -> str:
 
 
 def theorem_lines(claims: pd.DataFrame) -> list[str]:
-    """A line for each controller that all claims speak of, for a terminal."""
+    """A line for each controller of whose own source a claim is judged, for a terminal."""
     lines = []
-    for label, rows in claims.groupby("controller", sort=False):
-        if (rows.status == "not applicable").any():
+    everywhere = [key for key, item in BAEK.items() if not item.adaptive]
+    for label, every in claims.groupby("controller", sort=False):
+        rows = every[every.status != "not applicable"]
+        if rows.claim.isin(everywhere).all():
             continue
         alike: dict[str, list[str]] = {}
         for key, each in rows.groupby("claim", sort=False):

@@ -11,7 +11,7 @@ import pytest
 
 from asmc_pin.engine import rollout
 from asmc_pin.experiment import Experiment
-from asmc_pin.monitors import CAUSES, STATEMENTS, claim_rows, monitor
+from asmc_pin.monitors import BAEK, CAUSES, STATEMENTS, claim_rows, monitor
 from asmc_pin.pages.theorem_figures import draw_theorems, theorem_figure
 from asmc_pin.pages.theorem_tables import reasons, theorem_lines, theorem_table, theorems_latex, theorems_markdown
 from asmc_pin.results.result_folder import load_result
@@ -91,7 +91,7 @@ def test_tables_pages_and_notes_give_every_verdict_with_its_reason(comparison: C
     claims = comparison.theorems.claims
     table = theorem_table(claims)
     assert table.header == ["claim", "PPC", "Proposed", "CT (knows the model)"]
-    assert [row[0].partition(":")[0] for row in table.rows] == [item.title for item in STATEMENTS.values()]
+    assert [row[0].partition(":")[0] for row in table.rows] == [item.title for item in BAEK.values()]
     assert table.rows[3][1] == table.rows[3][3] == "not applicable"
     assert table.rows[3][2].split()[0] in ("held", "broken")
     summary = (comparison.out / "summary.md").read_text(encoding="utf-8")
@@ -108,7 +108,7 @@ def test_tables_pages_and_notes_give_every_verdict_with_its_reason(comparison: C
     (line,) = theorem_lines(claims)  # of PPC and CT there is nothing to say in a line
     assert line.startswith("theorems on Proposed: ")
     assert line in comparison.notes
-    assert all(item.title in line for item in STATEMENTS.values())
+    assert all(item.title in line for item in BAEK.values())
 
 
 def test_trials_are_summed_up_by_the_worst_of_them(comparison: Comparison) -> None:

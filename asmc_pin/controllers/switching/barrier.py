@@ -13,6 +13,9 @@ from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
 from asmc_pin.controllers.one_trial.compiled_tde import MBAR, OWN, OWN_MEMORY, S, pole_placement, with_sign
 from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
+from asmc_pin.controllers.promises.bounded_gain import NotOverestimated
+from asmc_pin.controllers.promises.kept_width import KeptWidth
+from asmc_pin.controllers.promises.run_history import Promise
 from asmc_pin.controllers.protocol import Sample
 from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, signed
 from asmc_pin.numerics.short_loops import short_loops
@@ -73,6 +76,11 @@ class Barrier(TdeLaw):
         return self.width, self.limit
 
     trial_step: ClassVar[TrialStep | None] = _step
+
+    def promises(self) -> Mapping[str, Promise | str]:
+        """That |s| < ε is kept, and that no gain is over-estimated."""
+        kept = KeptWidth(self.width, self.limit, self.ks, self.beta, self.period)
+        return {"width": kept, "gain": NotOverestimated(kept)}
 
     def switching_term(self, s: Array, gain: Array) -> Array:
         """The term w = k̂ sgn(s) at the ticks of a run; see `TdeLaw.switching_term`."""

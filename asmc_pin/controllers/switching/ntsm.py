@@ -21,6 +21,8 @@ from asmc_pin.controllers.one_trial.compiled_tde import (
     with_sign,
 )
 from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
+from asmc_pin.controllers.promises.run_history import Promise
+from asmc_pin.controllers.promises.terminal_time import TerminalTime
 from asmc_pin.controllers.tde import TdeLaw
 from asmc_pin.numerics.short_loops import short_loops
 from asmc_pin.parameters import PerJoint, Scalar
@@ -88,3 +90,12 @@ class Ntsm(TdeLaw):
         return self.exponent, self.stiffness, self.gain, self.boundary
 
     trial_step: ClassVar[TrialStep | None] = _step
+
+    def promises(self) -> Mapping[str, Promise | str]:
+        """That e is gone in finite time, but for what the boundary layer leaves."""
+        if self.exponent == 1.0:
+            return {
+                "finite_time": "with p = 1 the law is PPC, of which e dies away like an exponential, never at a time"
+            }
+        parts = self.exponent, self.stiffness, self.gain, self.boundary, self.beta
+        return {"finite_time": TerminalTime(*parts)}

@@ -13,6 +13,8 @@ from asmc_pin._typing import Array
 from asmc_pin.controllers.law_registry import law
 from asmc_pin.controllers.one_trial.compiled_tde import MBAR, OWN, OWN_MEMORY, S, pole_placement, with_sign
 from asmc_pin.controllers.one_trial.trial_step import Tick, TrialStep, trial_step
+from asmc_pin.controllers.promises.run_history import Promise
+from asmc_pin.controllers.promises.twisting_order import TwistingOrder
 from asmc_pin.controllers.protocol import Sample
 from asmc_pin.controllers.tde import TdeLaw, TdeState
 from asmc_pin.numerics.short_loops import short_loops
@@ -113,3 +115,15 @@ class Sta(TdeLaw):
         return self.k1, self.period * self.k2, self.period * self.rate, self.threshold, self.floor
 
     trial_step: ClassVar[TrialStep | None] = _step
+
+    def promises(self) -> Mapping[str, Promise | str]:
+        """Sliding of second order, with fixed gains; of what adapts no number is claimed."""
+        if self.rate > 0.0:
+            return {
+                "second_order": "with gains that adapt its source claims |s| near the threshold, and no order in L",
+                "gain": "its source proves that its gains are bounded, and gives no number to hold them to",
+            }
+        fixed = {"gain": "its gains are fixed"}
+        if not (np.all(self.k1 > 0.0) and np.all(self.k2 > 0.0)):
+            return {"second_order": "without both k₁ and k₂ it does not twist", **fixed}
+        return {"second_order": TwistingOrder(self.k1, self.k2, self.period), **fixed}
