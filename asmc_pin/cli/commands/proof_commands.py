@@ -40,7 +40,7 @@ def check(
 
 
 @app.command(rich_help_panel=LISTS)
-@takes_loading_options()
+@takes_loading_options(ranges=False)
 def agree(
     arm: ArmArgument,
     loading: LoadingOptions = NOTHING,

@@ -172,4 +172,9 @@ def _notes(all_cases: Sequence[Case], scaling: Array) -> tuple[str, ...]:
         notes.append(idle)
     if len(set(domain.arm.joint_kinds)) > 1 and np.all(scaling == 1.0):
         notes.append("revolute and prismatic joints: eigenvalues add kg·m² to kg; give a scaling of the joints")
+    if domain.arm.mimics:
+        notes.append(
+            "velocity forces: no c is proven where joints mimic others, for the proof is one of joints that move "
+            "freely; what was found is what a search saw"
+        )
     return tuple(notes)
