@@ -11,7 +11,6 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
-from asmc_pin.condition.certificate.compiled.bisection_tree import LEAF
 from asmc_pin.condition.certificate.stopping import INTERRUPTED
 from asmc_pin.condition.certificate.strategy import ProofProgress, unprovable
 from asmc_pin.condition.certificate.walk import get_ready
@@ -122,7 +121,7 @@ def bounds(
         upper=Bound(high, largest.value, largest.q),
         condition_number=_condition_number(all_cases, scale, low, high, np.stack((least.q, largest.q)), seed),
         coriolis=_coriolis(all_cases, scale, high, seed),
-        boxes=int(sum(np.count_nonzero(proof.record == LEAF) for proof in proofs)),
+        boxes=sum(proof.boxes for proof in proofs),
         tests=tests,
         seconds=clock.seconds(),
         reasons=(reasons[0], reasons[1]),
