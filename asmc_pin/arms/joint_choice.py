@@ -133,6 +133,10 @@ def _between(robot: Robot, chain: tuple[str, str]) -> set[str]:
     found: list[str] = []
     link = tip
     while link != base:
+        if link not in robot.carried and tip in _links_above(robot, base):
+            raise ParameterError(
+                "chain", f"link '{tip}' carries link '{base}', not the other way round: {chain_words(tip, base)}"
+            )
         if link not in robot.carried:
             above = ", ".join(_links_above(robot, tip)[:8])
             raise ParameterError(

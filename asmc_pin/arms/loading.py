@@ -25,16 +25,16 @@ from asmc_pin.arms.arm_options import (
     resolve_armature,
     resolve_locks,
 )
-from asmc_pin.arms.bodies.moving_bodies import MovingBody, check_bodies, moving_bodies
+from asmc_pin.arms.bodies.moving_bodies import MovingBody, moving_bodies, problems_of_bodies
 from asmc_pin.arms.bodies.repairing import repaired
 from asmc_pin.arms.joint_choice import longest_chain, named_locks
 from asmc_pin.arms.pinocchio_model import (
     bare_model,
     carry,
     check_against_mujoco,
-    check_mass_matrix,
     last_link,
     loads_in_vain,
+    mass_matrix_problem,
     set_limits,
     whole_model,
 )
@@ -44,12 +44,12 @@ from asmc_pin.arms.sources.carried import Carried
 from asmc_pin.arms.sources.reading_options import Packages, Reading, XacroArguments, read_packages, read_xacro
 from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.arms.urdf.estimated_inertia import EstimateInertia, read_estimate, with_estimated_inertia
+from asmc_pin.arms.urdf.faults import refused
 from asmc_pin.arms.urdf.magnitudes import MOVING_JOINTS
 from asmc_pin.arms.urdf.mimicking import Followed, settle_mimics
 from asmc_pin.arms.urdf.urdf_document import read_document
 from asmc_pin.arms.urdf.urdf_reading import Joint, Robot, read_robot
 from asmc_pin.disk.reading import shown
-from asmc_pin.errors import ArmError
 from asmc_pin.words.interface import chain_words, lock_words
 from asmc_pin.words.text import printable
 
@@ -244,14 +244,17 @@ def assemble(recipe: Recipe) -> Arm:
     joints = [body.joint for body in bodies]
     driven, coupling = followed.driven, followed.coupling
     names = tuple(joint.name for joint in driven)
+    faults = [*robot.faults, *followed.faults]
+    problems = [fault.text for fault in faults]
     if len(joints) > MOVING_JOINTS:
-        raise ArmError(
-            robot.path,
+        problems.append(
             f"{shown(robot.path)}: has {len(joints)} moving joints, and at most {MOVING_JOINTS} are computed with. "
             f"Keep one arm of it, {chain_words(*longest_chain(robot))}, or lock some, by name or pattern as in "
-            f"{lock_words({'left_*': 0.0})}",
+            f"{lock_words({'left_*': 0.0})}"
         )
-    check_bodies(robot, bodies, coupling)
+    of_bodies, remedy = problems_of_bodies(robot, bodies, coupling)
+    if of_bodies or len(joints) > MOVING_JOINTS or any(fault.hides_mass for fault in faults):
+        raise refused(robot.path, [*problems, *of_bodies], "" if problems else " of what moves", remedy)
     name = entry.name if entry else printable(robot.name)
     provisos, armature = robot.provisos, variant.armature
     if isinstance(armature, str):
@@ -268,7 +271,9 @@ def assemble(recipe: Recipe) -> Arm:
         payload = replace(payload, link=payload.link or last_link(robot, model))
         vain = loads_in_vain(robot, model, coupling, payload)
         carry(robot, model, payload)
-    check_mass_matrix(robot, model, coupling)
+    singular = mass_matrix_problem(robot, model, coupling)
+    if singular or problems:
+        raise refused(robot.path, [*problems, *([singular] if singular else [])])
     tree = tree_of(model, coupling)
     return Arm(
         name=name,

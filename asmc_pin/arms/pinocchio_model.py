@@ -162,14 +162,14 @@ def set_limits(model: pin.Model, joints: list[Joint]) -> None:
         setattr(model, name, np.array(values))
 
 
-def check_mass_matrix(robot: Robot, model: pin.Model, coupling: Coupling) -> None:
-    """Refuse an arm whose M(q) is not positive definite.
+def mass_matrix_problem(robot: Robot, model: pin.Model, coupling: Coupling) -> str:
+    """Say of an arm that its M(q) is not positive definite, or nothing.
 
     M is scaled to a unit diagonal first, so that a light wrist on a heavy arm, or metres next to radians, do not count
     as singular.
 
-    Raises:
-        ArmError: Names the joint that feels no inertia, and the configuration.
+    Returns:
+        A sentence with the joint that feels no inertia, and the configuration; empty where M(q) is fine.
     """
     data = model.createData()
     generator = np.random.default_rng(0)
@@ -185,7 +185,8 @@ def check_mass_matrix(robot: Robot, model: pin.Model, coupling: Coupling) -> Non
             weak = int(np.argmax(np.abs(vectors[:, 0])))
         else:
             weak = int(np.argmin(diagonal))
-        raise ArmError(robot.path, _singular(robot, model, q, mass, weak, int(coupling.leader[weak]), comparable))
+        return _singular(robot, model, q, mass, weak, int(coupling.leader[weak]), comparable)
+    return ""
 
 
 def _where(q: Array) -> str:

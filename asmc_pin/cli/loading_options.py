@@ -102,19 +102,40 @@ class LoadingOptions:
     ] = None
 
 
+_SINGLE: dict[str, Any] = {
+    "payload": typer.Option(
+        "--payload", metavar="KG[@LINK]", help="Point mass at a link's frame; default the last moving link."
+    ),
+    "payload_com": typer.Option("--payload-com", metavar="X,Y,Z", help="The payload's centre of mass in its link, m."),
+    "payload_inertia": typer.Option(
+        "--payload-inertia", metavar="XX,XY,XZ,YY,YZ,ZZ", help="The payload's inertia about its centre, kg·m²."
+    ),
+    "armature": typer.Option(
+        "--armature",
+        metavar="A1,A2,…|published",
+        help="Reflected rotor inertia per joint, kg·m², or one value for all; or what is published.",
+    ),
+}
+"""The options that take a range elsewhere, of a command where one means nothing."""
+
 NOTHING = LoadingOptions()
 """No option at all."""
 
 
-def takes_loading_options(*, without: tuple[str, ...] = ()) -> Callable[[Callable[..., None]], Callable[..., None]]:
+def takes_loading_options(
+    *, without: tuple[str, ...] = (), ranges: bool = True
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Decorate a command: its parameter ``loading: LoadingOptions`` becomes the options of that class.
 
     Args:
         without: Fields that mean nothing to this command.
+        ranges: Whether ranges mean something to it.
     """
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         hints = get_type_hints(LoadingOptions, include_extras=True)
+        if not ranges:
+            hints |= {name: Annotated[str | None, option] for name, option in _SINGLE.items()}
         options = [
             inspect.Parameter(
                 each.name, inspect.Parameter.KEYWORD_ONLY, default=each.default, annotation=hints[each.name]
@@ -250,7 +271,8 @@ def open_domain(source: str, loading: LoadingOptions) -> tuple[Arm, dict[str, An
 
     arm = load_arm(source, **single)
     for proviso in arm.provisos:
-        note(f"{proviso.kind}: {proviso.text}")
+        if not proviso.headline:
+            note(f"{proviso.kind}: {proviso.text}")
     warnings = list(arm.warnings)
     if "payload" in ranges:
         from asmc_pin.condition.domain.payload_ranges import carrying

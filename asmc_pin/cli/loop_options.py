@@ -10,7 +10,7 @@ import typer
 
 from asmc_pin.cli import interrupt
 from asmc_pin.cli.console import note, progress_bar
-from asmc_pin.cli.options import NO_CERTIFICATE, assignments, per_joint
+from asmc_pin.cli.options import assignments, per_joint
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Acceleration
 
@@ -33,6 +33,7 @@ DelayOption: TypeAlias = Annotated[
 
 def loop_proof_of(arm: Arm, loop: SampledLoop, certificate: str | None, **options: Any) -> LoopProof:
     """What can be proven of a loop without gravity; after Ctrl-C undecided."""
+    from asmc_pin.condition.certificate.writing import unwritable
     from asmc_pin.sampled.proof.loop_certificate import certify_loop
 
     budget = options["budget"]
@@ -44,8 +45,8 @@ def loop_proof_of(arm: Arm, loop: SampledLoop, certificate: str | None, **option
 
         proof = certify_loop(arm, loop, progress=tell, **options)
     if certificate is not None:
-        if arm.mimics:
-            note(f"{NO_CERTIFICATE}; none was written to {certificate}")
+        if why := unwritable(arm):
+            note(f"{why}; none was written to {certificate}")
         elif proof.verdict != "undecided":
             note(f"certificate: {proof.save(certificate)}")
         else:

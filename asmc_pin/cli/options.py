@@ -69,8 +69,6 @@ ReportOption: TypeAlias = Annotated[
     str | None, typer.Option("--report", metavar="FILE", help="Write one page for a reviewer, .html or .md.")
 ]
 
-NO_CERTIFICATE = "no certificate has joints that mimic others, for 'asmc-pin check' does not know them"
-
 Range: TypeAlias = tuple[float, float]
 
 

@@ -11,8 +11,9 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.hypotheses import Hypotheses
 from asmc_pin.condition.judged import Judged
 from asmc_pin.condition.premises import worst_keys
+from asmc_pin.words.joint_units import column_cells, column_head
 from asmc_pin.words.shown import Cells
-from asmc_pin.words.text import printable, rounded_down, rounded_up
+from asmc_pin.words.text import counted, printable, rounded_down, rounded_up
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -86,10 +87,8 @@ class ConditionReport(Judged):
 
     def headline(self) -> str:
         """The verdict, and what it is about."""
-        return (
-            f"{self.hypotheses.title}: {self.verdict}  ({self.kind}, {self.configurations} configurations, "
-            f"{self.seconds:.1f} s)"
-        )
+        tried = counted(self.configurations, "configuration")
+        return f"{self.hypotheses.title}: {self.verdict}  ({self.kind}, {tried}, {self.seconds:.1f} s)"
 
     def lines(self) -> list[str]:
         """What the verdict is about, the verdict, and what was found; a line per finding."""
@@ -109,12 +108,14 @@ class ConditionReport(Judged):
 
     def table(self) -> Cells:
         """M̄ and the worst configuration, joint by joint; angles in degrees too."""
-        unit = "rad or m" if any(self.hypotheses.slides) else "rad"
-        figures = (self.joints, self.hypotheses.slides, self.mbar, self.worst_armature, self.worst_q)
-        return ["joint", "m̄ kg·m²", "armature there", f"worst q {unit}", "deg"], [
-            [printable(name), f"{m:.6g}", f"{armature:.6g}", f"{q:+.6f}", "" if slides else f"{np.degrees(q):+.2f}"]
-            for name, slides, m, armature, q in zip(*figures, strict=True)
-        ]
+        slides = self.hypotheses.slides
+        mbar = column_cells([f"{m:.6g}" for m in self.mbar], "inertia", slides)
+        armature = column_cells([f"{a:.6g}" for a in self.worst_armature], "inertia", slides)
+        worst = column_cells([f"{q:+.6f}" for q in self.worst_q], "place", slides)
+        degrees = ["" if slide else f"{np.degrees(q):+.2f}" for slide, q in zip(slides, self.worst_q, strict=True)]
+        head = [column_head("m̄", "inertia", slides), "armature there", column_head("worst q", "place", slides), "deg"]
+        rows = zip(map(printable, self.joints), mbar, armature, worst, degrees, strict=True)
+        return ["joint", *head], [list(row) for row in rows]
 
     def to_json_dict(self) -> dict[str, Any]:
         """The object that ``asmc-pin verify --json`` prints; undefined figures are None."""

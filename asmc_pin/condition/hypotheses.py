@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, TypeAlias
 
 from asmc_pin.words.choices import Condition as Condition
+from asmc_pin.words.joint_units import joint_units, listed_with_units
 from asmc_pin.words.provisos import Proviso as Proviso
 from asmc_pin.words.provisos import provisos_json
 from asmc_pin.words.text import exact, printable, quoted, visible
@@ -209,18 +210,14 @@ class Premises:
         if not any(self.armature):
             return "none"
         said = [_words(value) for value in self.armature]
-        units = ["kg" if slides else "kg·m²" for slides in self.slides]
+        units = joint_units("inertia", self.slides)
         if len(set(said)) == len(set(units)) == 1:
             return f"{said[0]} {units[0]}" + (" at every joint" if len(said) > 1 else "")
-        if len(set(units)) == 1:
-            return f"({', '.join(said)}) {units[0]}"
-        return f"({', '.join(f'{value} {unit}' for value, unit in zip(said, units, strict=True))})"
+        return listed_with_units(said, "inertia", self.slides)
 
     def _box(self) -> str:
-        said = [
-            f"{exact(lo)}:{exact(hi)} {'m' if slides else 'rad'}"
-            for (lo, hi), slides in zip(self.box.values(), self.slides, strict=True)
-        ]
+        units = joint_units("place", self.slides)
+        said = [f"{exact(lo)}:{exact(hi)} {unit}" for (lo, hi), unit in zip(self.box.values(), units, strict=True)]
         if len(set(said)) == 1 and len(said) > 1:
             return f"{said[0]} at every joint"
         return ", ".join(f"{quoted(name)} {ends}" for name, ends in zip(self.box, said, strict=True))
@@ -265,13 +262,7 @@ class Hypotheses(Premises):
         arm, *others = super().rows()
         found = [arm, ("Condition", f"{NAMES[self.condition]}: {self.formula}")]
         if self.mbar:
-            units = ["kg" if slides else "kg·m²" for slides in self.slides]
-            values = [exact(m) for m in self.mbar]
-            if len(set(units)) == 1:
-                found.append(("M̄", f"diag({', '.join(values)}) {units[0]}"))
-            else:
-                said = (f"{value} {unit}" for value, unit in zip(values, units, strict=True))
-                found.append(("M̄", f"diag({', '.join(said)})"))
+            found.append(("M̄", f"diag{listed_with_units([exact(m) for m in self.mbar], 'inertia', self.slides)}"))
         return found + others
 
 

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from asmc_pin.arms.bodies.at_a_glance import least_felt
+from asmc_pin.arms.bodies.moving_bodies import MovingBody
+from asmc_pin.arms.urdf.rigid_inertia import tensor_problem
 from asmc_pin.inspection.subject_of_doubt import Doubt, SubjectOfDoubt, some
 
 _ROUND = {base * 10.0**power for power in range(-6, 2) for base in (1.0, 2.0, 5.0)}
@@ -61,8 +63,13 @@ def _placeholders(subject: SubjectOfDoubt) -> Iterator[Doubt]:
 
 def _unfelt(subject: SubjectOfDoubt) -> Iterator[Doubt]:
     parts = subject.parts
-    if any(not sized.body.mass > 0.0 or not np.all(np.isfinite(sized.body.inertia)) for sized in subject.bodies):
+    if any(fault.kind == "axis" for fault in parts.robot.faults):
         return
+    # What carries a body that cannot be feels nothing that it should.
+    possible = [_is_possible(sized.body) for sized in subject.bodies]
+    for index in range(parts.model.njoints - 1, 0, -1):
+        if parts.model.parents[index] > 0:
+            possible[parts.model.parents[index] - 1] &= possible[index - 1]
     least = least_felt(parts.model) + subject.armature
     carried = [sized.body.mass for sized in subject.bodies]
     for index in range(parts.model.njoints - 1, 0, -1):
@@ -70,12 +77,17 @@ def _unfelt(subject: SubjectOfDoubt) -> Iterator[Doubt]:
             carried[parts.model.parents[index] - 1] += carried[index - 1]
     found = [
         sized.body.joint.name
-        for sized, inertia, mass in zip(subject.bodies, least.tolist(), carried, strict=True)
-        if sized.body.joint.kind == "revolute" and inertia < _UNFELT**2 * mass
+        for sized, inertia, mass, judged in zip(subject.bodies, least.tolist(), carried, possible, strict=True)
+        if judged and sized.body.joint.kind == "revolute" and inertia < _UNFELT**2 * mass
     ]
     if found:
         text = f"next to nothing resists {some(found)}: the mass is on the axis; rotors (armature) will decide M there"
         yield Doubt("unresisted", tuple(found), text)
+
+
+def _is_possible(body: MovingBody) -> bool:
+    known = body.mass > 0.0 and bool(np.all(np.isfinite(body.inertia)))
+    return known and not tensor_problem(body.mass, body.inertia)
 
 
 def _efforts(subject: SubjectOfDoubt, root: Any) -> Iterator[Doubt]:

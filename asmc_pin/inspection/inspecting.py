@@ -86,6 +86,7 @@ def serious_doubts(arm: Arm) -> list[Doubt]:
 def _joints(parts: Unjudged, armature: Array) -> list[InspectedJoint]:
     model, (axes, places) = parts.model, axes_at_zero(parts.model)
     found, followed = [], parts.followed.mimics
+    without_axis = {name for fault in parts.robot.faults if fault.kind == "axis" for name in fault.about}
     for index, body in enumerate(parts.bodies, start=1):
         joint = body.joint
         found.append(
@@ -93,8 +94,8 @@ def _joints(parts: Unjudged, armature: Array) -> list[InspectedJoint]:
                 name=joint.name,
                 hangs_on="" if model.parents[index] == 0 else parts.bodies[model.parents[index] - 1].joint.name,
                 kind="continuous" if joint.continuous else joint.kind,
-                follows=followed[joint.name].joint if joint.name in followed else "",
-                axis=axes[index - 1],
+                follows=followed.get(joint.name),
+                axis=np.zeros(3) if joint.name in without_axis else axes[index - 1],
                 place=places[index - 1],
                 limits=(joint.lower, joint.upper, joint.effort, joint.velocity),
                 losses=(joint.friction, joint.damping),

@@ -11,6 +11,7 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.arms import Payload
+from asmc_pin.arms.urdf.urdf_reading import Mimic
 from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import ArmError
 from asmc_pin.inspection.subject_of_doubt import Doubt
@@ -27,8 +28,8 @@ class InspectedJoint:
         name: Its name.
         hangs_on: The moving joint that it hangs on; empty for the base.
         kind: ``revolute``, ``continuous`` or ``prismatic``.
-        follows: The joint that it mimics and follows; empty where it has a coordinate of its own.
-        axis: In the base frame with all joints at zero, shape (3,).
+        follows: The driven joint that it mimics, and how; None where it has a coordinate of its own.
+        axis: In the base frame with all joints at zero, shape (3,); zero where the URDF's is.
         place: Of its frame in the base frame there, shape (3,), m.
         limits: Lower and upper limit, effort and velocity.
         losses: Friction and damping.
@@ -43,7 +44,7 @@ class InspectedJoint:
     name: str
     hangs_on: str
     kind: str
-    follows: str
+    follows: Mimic | None
     axis: Array
     place: Array
     limits: tuple[float, float, float, float]
@@ -70,7 +71,9 @@ class InspectedJoint:
             "joint": printable(self.name),
             "hangs_on": printable(self.hangs_on) or None,
             "kind": self.kind,
-            "follows": printable(self.follows) or None,
+            "follows": None if self.follows is None else printable(self.follows.joint),
+            "multiplier": None if self.follows is None else self.follows.multiplier,
+            "offset": None if self.follows is None else self.follows.offset,
             "axis": self.axis.tolist(),
             "place": self.place.tolist(),
             **limits,
@@ -115,7 +118,7 @@ class Inspection(Shown):
 
     def lines(self) -> list[str]:
         """What it is, and whether other commands take it."""
-        count = sum(not joint.follows for joint in self.joints)
+        count = sum(joint.follows is None for joint in self.joints)
         mass = sum(joint.mass for joint in self.joints)
         said = [
             f"{quoted(self.name)}: {count} moving joint{'s' if count != 1 else ''}, {mass:.4g} kg move "
@@ -143,7 +146,7 @@ class Inspection(Shown):
                 [
                     printable(joint.name),
                     printable(joint.hangs_on) or "base",
-                    f"follows {printable(joint.follows)}" if joint.follows else joint.kind,
+                    joint.kind if joint.follows is None else f"follows {_followed(joint.follows)}",
                     _axis(joint.axis),
                     span,
                     effort,
@@ -225,11 +228,19 @@ def _payload_json(load: Payload) -> dict[str, Any]:
     }
 
 
+def _followed(mimic: Mimic) -> str:
+    """How a joint follows another: ``-1 · 'master' + 0.2``."""
+    offset = f" {'+' if mimic.offset > 0.0 else '-'} {abs(mimic.offset):.6g}" if mimic.offset else ""
+    return f"{mimic.multiplier:.6g} · {printable(mimic.joint)}{offset}"
+
+
 def _limit(value: float) -> str:
     return f"{value:.4g}" if np.isfinite(value) else "?"
 
 
 def _axis(axis: Array) -> str:
+    if not np.any(axis):
+        return UNDEFINED
     for name, unit in zip("xyz", np.eye(3), strict=True):
         for sign in (1.0, -1.0):
             if np.allclose(axis, sign * unit, atol=1e-4):

@@ -25,6 +25,9 @@ _LONGEST_REACH = 30.0
 _HEAVIEST = 3000.0
 """kg of moving mass per m³ of reach: arms have 5 to 200, in grams a thousand times that."""
 
+_DENSEST, _LIGHTEST = 8000.0, 50.0
+"""kg/m³: steel through and through has 7850, a shell with next to nothing in it some hundred."""
+
 _LARGEST_LIMIT = 4.0 * math.pi
 """rad."""
 
@@ -50,6 +53,7 @@ def unit_doubts(subject: SubjectOfDoubt, root: Any, invented: set[str]) -> Itera
         yield from _masses(subject)
         yield from _centres(subject)
         yield from _tensors(subject, invented)
+    yield from _densities(subject)
     yield from _limits(subject)
     yield from _angles(root)
 
@@ -104,6 +108,23 @@ def _tensors(subject: SubjectOfDoubt, invented: set[str]) -> Iterator[Doubt]:
             f"{worst.radii[-1]:.2g} m, and extends some {worst.extent:.2g} m"
         )
         yield Doubt("radius of gyration", tuple(names), text)
+
+
+def _densities(subject: SubjectOfDoubt) -> Iterator[Doubt]:
+    """Of links whose inertia was estimated from shapes and a mass."""
+    densities = subject.parts.robot.densities
+    for odd, than in (
+        ({link: value for link, value in densities.items() if value > _DENSEST}, "more than steel's 7850"),
+        ({link: value for link, value in densities.items() if value < _LIGHTEST}, "less than a hollow shell's"),
+    ):
+        if odd:
+            low, high = min(odd.values()), max(odd.values())
+            values = f"{low:.3g}" if high < 1.01 * low else f"{low:.3g} to {high:.3g}"
+            text = (
+                f"the mass given for {some(list(odd))} means {values} kg/m³, {than}: check the mass, and the scale of "
+                "the shapes"
+            )
+            yield Doubt("density", tuple(odd), text)
 
 
 def _limits(subject: SubjectOfDoubt) -> Iterator[Doubt]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, get_args
@@ -17,6 +18,7 @@ from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Acceleration as Acceleration
 from asmc_pin.words.choices import Pairing as Pairing
 from asmc_pin.words.choices import Velocity as Velocity
+from asmc_pin.words.joint_units import listed_with_units
 
 _SAME_DELAY = 1e-9  # periods
 
@@ -112,16 +114,20 @@ class SampledLoop:
         except ParameterError:
             return False
 
-    def words(self) -> str:
-        """All of it for a person to read."""
+    def words(self, slides: Sequence[bool]) -> str:
+        """All of it for a person to read.
+
+        Args:
+            slides: Which joints are prismatic.
+        """
 
         def listed(values: Array) -> str:
             return f"diag({', '.join(f'{x:.10g}' for x in values)})"
 
+        mbar = listed_with_units([f"{x:.10g}" for x in self.mbar], "inertia", slides)
         beta = f"{self.beta[0]:.10g}" if np.all(self.beta == self.beta[0]) else listed(self.beta)
         return (
-            f"M̄ = {listed(self.mbar)} kg·m², K_s = {listed(self.ks)} 1/s, β = {beta} 1/s, L = {self.period:g} s, "
-            f"{self.timing_words()}"
+            f"M̄ = diag{mbar}, K_s = {listed(self.ks)} 1/s, β = {beta} 1/s, L = {self.period:g} s, {self.timing_words()}"
         ) + ("" if self.law is None else f", law {law_name(self.law)} ({settings_words(self.law)})")
 
     def timing_words(self) -> str:

@@ -13,8 +13,9 @@ from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.sampled.loop_limits import DELAY_SPAN, LoopLimits
 from asmc_pin.sampled.noise.sensor_noise import NOISE_KEYS, LoopNoise
 from asmc_pin.sampled.sampled_loop import SampledLoop, law_name, law_settings
+from asmc_pin.words.joint_units import column_cells, column_head, listed_with_units
 from asmc_pin.words.shown import Cells, Shown
-from asmc_pin.words.text import printable, rounded_down, rounded_up
+from asmc_pin.words.text import counted, printable, rounded_down, rounded_up
 
 if TYPE_CHECKING:
     from asmc_pin.sampled.proof.loop_proof import LoopProof
@@ -181,15 +182,16 @@ class StabilityReport(Shown):
             if self.proof is not None and self.proof.verdict == "stable"
             else "a search refutes, it proves nothing"
         )
+        tried = counted(self.configurations, "configuration")
         text = [
-            f"{self.about.title}: the sampled loop is {found} ({self.configurations} configurations; {worth})",
+            f"{self.about.title}: the sampled loop is {found} ({tried}; {worth})",
             *self.about.lines(),
             f"Gravity: ({', '.join(f'{x:g}' for x in self.gravity)}) m/s² in the base frame",
-            f"Loop: {self.loop.words()}",
-            f"spectral radius {self.spectral_radius:.6f}, worst at q = {angles(self.worst_q)} rad{self.bare.said}",
+            f"Loop: {self.loop.words(self.about.slides)}",
+            f"spectral radius {self.spectral_radius:.6f}, worst at q = {self._place(self.worst_q)}{self.bare.said}",
             f"slowest decay there {self.decay_rate:.3g} 1/s; eigenvalues of M⁻¹M̄ over the workspace "
             f"{self.ratios[0]:.4g} to {self.ratios[1]:.4g}",
-            f"at rest under gravity: {self.rest_radius:.6f}, worst at q = {angles(self.rest_q)} rad{self.rest.said}",
+            f"at rest under gravity: {self.rest_radius:.6f}, worst at q = {self._place(self.rest_q)}{self.rest.said}",
         ]
         if self.rest_radius >= 1.0 > self.spectral_radius:
             text.append("unstable through gravity: the arm falls faster than the torque estimate follows")
@@ -201,12 +203,18 @@ class StabilityReport(Shown):
 
     def table(self) -> Cells:
         """The loop and the worst configurations, joint by joint."""
-        unit = "rad or m" if any(self.about.slides) else "rad"
-        columns = (self.loop.mbar, self.loop.ks, self.loop.beta)
-        return ["joint", "m̄ kg·m²", "k_s 1/s", "β 1/s", f"worst q {unit}", "at rest"], [
-            [printable(name), *(f"{value:.6g}" for value in values), f"{q:+.4f}", f"{rest:+.4f}"]
-            for name, *values, q, rest in zip(self.joints, *columns, self.worst_q, self.rest_q, strict=True)
-        ]
+        slides = self.about.slides
+        mbar = column_cells([f"{value:.6g}" for value in self.loop.mbar], "inertia", slides)
+        gains = ([f"{value:.6g}" for value in values] for values in (self.loop.ks, self.loop.beta))
+        places = (
+            column_cells([f"{q:+.4f}" for q in values], "place", slides) for values in (self.worst_q, self.rest_q)
+        )
+        rows = zip(map(printable, self.joints), mbar, *gains, *places, strict=True)
+        heads = ["k_s 1/s", "β 1/s", column_head("worst q", "place", slides), "at rest"]
+        return ["joint", column_head("m̄", "inertia", slides), *heads], [list(row) for row in rows]
+
+    def _place(self, q: Array) -> str:
+        return listed_with_units([angle_text(x) for x in q], "place", self.about.slides)
 
 
 def _limit_lines(loop: SampledLoop, limits: LoopLimits) -> list[str]:
@@ -243,9 +251,12 @@ def delay_words(delay: float, period: float) -> str:
 
 def angles(q: Array) -> str:
     """Values joint by joint, in a sentence."""
-    return (
-        "(" + ", ".join(f"{angle:.3f}" if angle == 0.0 or abs(angle) >= 0.01 else f"{angle:.3g}" for angle in q) + ")"
-    )
+    return f"({', '.join(angle_text(angle) for angle in q)})"
+
+
+def angle_text(angle: float) -> str:
+    """A value of a joint, in a sentence."""
+    return f"{angle:.3f}" if angle == 0.0 or abs(angle) >= 0.01 else f"{angle:.3g}"
 
 
 def _times(scale: float) -> str:

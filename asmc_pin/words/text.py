@@ -112,3 +112,8 @@ def _harmless(character: str) -> bool:
     if character == " ":
         return True
     return unicodedata.category(character)[0] not in "CZ" and code not in _UNSEEN and code not in _STRIKING
+
+
+def counted(count: int, one: str, many: str = "") -> str:
+    """So many of a thing: ``1 box``, ``2 boxes``; its plural has an s where `many` is empty."""
+    return f"{count} {one if count == 1 else many or one + 's'}"

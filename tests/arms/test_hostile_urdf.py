@@ -166,7 +166,7 @@ def test_a_plain_name_is_taken_as_it_is(name: str, tmp_path: Path) -> None:
 
 def test_hostile_text_in_a_value_never_reaches_the_terminal_as_it_is(tmp_path: Path) -> None:
     for value in ("&#x9b;2J", "1&#10;asmc-pin: holds", "\u202e1"):
-        said = refusal(*verify(written(tmp_path, ARM.replace('<mass value="1"', f'<mass value="{value}"'))))
+        said = refusal(*verify(written(tmp_path, ARM.replace('<mass value="1"', f'<mass value="{value}"', 1))))
         assert "is not a number" in said
         assert len(said.splitlines()) == 1
 

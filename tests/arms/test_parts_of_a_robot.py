@@ -97,6 +97,7 @@ def test_one_arm_of_two_moves_as_if_the_other_were_not_there(torso: Path) -> Non
     [
         (("torso", "left9"), "no link 'left9'"),
         (("left1", "right3"), "'right3' does not hang on link 'left1'; .* right2, right1, torso, base"),
+        (("left3", "torso"), r"'torso' carries link 'left3', not the other way round: chain=\('torso', 'left3'\)"),
         (("waist", "left3"), "'waist' is a joint; a chain is between two links: its own is 'torso'"),
         (("left3", "left3"), "no joint moves between"),
     ],

@@ -82,6 +82,14 @@ def test_what_a_xacro_file_lacks_is_asked_for(tmp_path: Path, monkeypatch: pytes
         load_arm(file)
     with pytest.raises(ParameterError, match=r"no argument 'hieght' in arm.urdf.xacro; did you mean 'height'\\?"):
         load_arm(file, xacro={"name": "r", "hieght": "1"})
+    # xacro itself takes no argument without a default; here it is one that has to be given.
+    bare = file.with_name("bare.urdf.xacro")
+    bare.write_text(file.read_text().replace('name="height" default="0.3"', 'name="height"'))
+    with pytest.raises(ArmError, match=r"needs the argument 'height'; give it: --xacro height=VALUE"):
+        load_arm(bare, xacro={"name": "r"})
+    assert load_arm(bare, xacro={"name": "r", "height": "0.3"}).nv == 2
+    with pytest.raises(ParameterError, match=r"no argument 'hieght'.*did you mean 'height'"):
+        load_arm(bare, xacro={"name": "r", "height": "0.3", "hieght": "1"})
     alone = file.rename(tmp_path / "arm.xacro")
     (tmp_path / "inc").mkdir()
     (tmp_path / "p" / "urdf" / "inc" / "tip.xacro").rename(tmp_path / "inc" / "tip.xacro")
@@ -112,7 +120,7 @@ def test_the_command_line_and_experiments_take_the_same(tmp_path: Path, capsys: 
     file = xacro_package(tmp_path / "p" / "my_arm")
     with pytest.raises(SystemExit) as stop:
         main(["verify", str(file), "--mbar", "0.1", "--xacro", "name=r", "--xacro", "height="])
-    assert (stop.value.code, capsys.readouterr().err.count("xyz")) == (2, 1)  # taken, and no number
+    assert (stop.value.code, capsys.readouterr().err.count("xyz")) == (2, 2)  # taken, and no number at either place
     given = ["--xacro", "height=0.2", "--xacro", "name=mine", "--package", f"my_arm={file.parent.parent}"]
     with pytest.raises(SystemExit) as stop:
         main(["verify", str(file), "--mbar", "0.1", "--samples", "10", "--json", *given])

@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from arm_urdf import inertial, joint, link, robot, two_joints, write
-from urdf_kinds import KINDS, fixed, rod, serial
+from urdf_kinds import FRICTION, KINDS, box, fixed, rod, serial
 
 from asmc_pin import inspect, load_arm
 from asmc_pin.cli import main
 from asmc_pin.errors import ArmError, ParameterError
+from asmc_pin.inspection.inspecting import serious_doubts
 from asmc_pin.inspection.inspection_page import inspection_page
 
 
@@ -67,6 +68,89 @@ def test_a_refused_arm_is_shown_all_the_same_with_the_reason(
     status, out, _ = ran(capsys, "inspect", str(path), "--repair")
     assert status == 0
     assert "repaired inertia: tensor of link1" in out
+
+
+BROKEN = {
+    "swapped limits": ('lower="-2" upper="2"', 'lower="2" upper="-2"', "lower limit 2 is above its upper limit -2"),
+    "no axis": ('<axis xyz="0 1 0"/>', '<axis xyz="0 0 0"/>', "its axis is zero"),
+    "negative friction": ('friction="0.2"', 'friction="-0.2"', "friction -0.2 is negative"),
+    "ring": ('name="j1" type="revolute">', 'name="j1" type="revolute"><mimic joint="j1"/>', "'j1' → 'j1'"),
+    "follows nobody": ('name="j2" type="revolute">', 'name="j2" type="revolute"><mimic joint="jx"/>', "joint 'jx'"),
+    "negative mass": ('value="3.0"', 'value="-3.0"', "its mass is -3 kg"),
+}
+
+
+@pytest.mark.parametrize("names", [(name,) for name in BROKEN] + [tuple(BROKEN)], ids="+".join)
+def test_what_can_be_told_is_shown_with_all_that_it_is_refused_for_at_once(
+    names: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = serial(limit=FRICTION.replace("0.4", "0.3"))
+    for name in names:
+        old, new, _ = BROKEN[name]
+        assert old in text
+        text = text.replace(old, new, 1)
+    # A doubt that has nothing to do with what is wrong is said beside it.
+    path = write(tmp_path, text.replace('rpy="0 0 0"', 'rpy="0 0 90"'))
+    status, out, _ = ran(capsys, "inspect", str(path))
+    assert status == 1
+    assert all(row in out for row in ("j1 ", "j2 ", "j3 "))
+    assert "REFUSED by other commands" in out
+    assert "looks like degrees" in out
+    for name in names:
+        assert BROKEN[name][2] in out
+    with pytest.raises(ArmError) as refusal:
+        load_arm(path)
+    assert str(refusal.value) == inspect(path).refusal
+    if len(names) > 1:
+        assert f"{len(names)} faults:" in out
+
+
+def test_numbers_that_are_none_are_all_named_at_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = serial().replace('mass value="4.0"', 'mass value="four"').replace('mass value="3.0"', 'mass value="nan"')
+    status, out, err = ran(capsys, "inspect", str(write(tmp_path, text)))
+    assert (status, out) == (2, "")
+    assert '<mass value="four"> is not a number' in err
+    assert '<mass value="nan"> is not a finite number' in err
+
+
+def test_a_follower_is_shown_with_how_it_follows(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = serial().replace(
+        'name="j3" type="revolute">', 'name="j3" type="revolute"><mimic joint="j2" multiplier="-0.5" offset="0.1"/>'
+    )
+    path = str(write(tmp_path, text))
+    assert "follows -0.5 · j2 + 0.1" in ran(capsys, "inspect", path)[1]
+    followers = {each["joint"]: each for each in json.loads(ran(capsys, "inspect", path, "--json")[1])["joints"]}
+    assert [followers["j3"][key] for key in ("follows", "multiplier", "offset")] == ["j2", -0.5, 0.1]
+    assert [followers["j2"][key] for key in ("follows", "multiplier", "offset")] == [None, None, None]
+
+
+def test_a_body_that_cannot_be_makes_no_doubt_of_the_joints_that_carry_it(tmp_path: Path) -> None:
+    text = serial(tensor=lambda k, mass, length: rod(mass, length) * (-2.0 if k == 2 else 1.0))
+    found = inspect(write(tmp_path, text))
+    assert "not positive semidefinite" in found.refusal
+    assert {doubt.kind for doubt in found.doubts} == set()
+
+
+@pytest.mark.parametrize(
+    ("mass", "scale", "said"),
+    [(2.0, 1.0, ""), (5000.0, 1.0, "steel"), (5.0, 1000.0, "hollow shell"), (0.001, 1.0, "hollow")],
+)
+def test_an_estimate_with_a_density_that_no_robot_has_is_doubted(
+    mass: float, scale: float, said: str, tmp_path: Path
+) -> None:
+    shape = box(f"{0.05 * scale} {0.05 * scale} {0.2 * scale}", f"0 0 {0.1 * scale}")
+    text = robot(link("base"), link("l1", shape), joint("j1", "base", "l1", axis="0 1 0"))
+    path = write(tmp_path, text)
+    found = [doubt.text for doubt in inspect(path, estimate_inertia=mass).doubts if doubt.kind == "density"]
+    assert bool(found) == bool(said)
+    assert all(said in text for text in found)
+    # Every command that loads the arm says it.
+    assert [d.text for d in serious_doubts(load_arm(path, estimate_inertia=mass)) if d.kind == "density"] == found
+
+
+def test_help_of_a_command_for_one_arm_offers_no_ranges(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "LO:HI" not in ran(capsys, "inspect", "--help")[1]
+    assert "LO:HI" in ran(capsys, "bounds", "--help")[1]
 
 
 def test_its_json_is_all_of_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

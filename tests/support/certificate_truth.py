@@ -92,7 +92,7 @@ def _untrue_bounds(said: Mapping[str, Any], arm: Arm, q: Array) -> list[str]:
         found.append(f"an eigenvalue is {values.min()}, and {said['lower'][0]} is said to be below all")
     if said["upper"][0] is not None and values.max() >= said["upper"][0]:
         found.append(f"an eigenvalue is {values.max()}, and {said['upper'][0]} is said to be above all")
-    if forces > said["coriolis"][0]:
+    if said["coriolis"][0] is not None and forces > said["coriolis"][0]:
         found.append(f"velocity forces are {forces}, above {said['coriolis'][0]}")
     ratio = said["condition_number"][0]
     if ratio is not None and (values[:, -1] / values[:, 0]).max() > ratio:

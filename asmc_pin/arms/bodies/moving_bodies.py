@@ -14,8 +14,6 @@ import pinocchio as pin
 from asmc_pin._typing import Array
 from asmc_pin.arms.urdf.rigid_inertia import TENSOR_REMEDY, LinkInertia, mass_problem, size_problem, tensor_problem
 from asmc_pin.arms.urdf.urdf_reading import JOINT_PREFIX, Joint, Robot
-from asmc_pin.disk.reading import shown
-from asmc_pin.errors import ArmError
 from asmc_pin.rigid_body.coupling import Coupling
 from asmc_pin.words.interface import flag_words
 
@@ -92,33 +90,27 @@ def number_problems(robot: Robot, body: MovingBody) -> list[str]:
     return [f"{place}: {problem}" for place, problem in found if problem]
 
 
-def check_bodies(robot: Robot, bodies: Sequence[MovingBody], coupling: Coupling) -> None:
-    """Refuse bodies that cannot be, all in one message.
+def problems_of_bodies(robot: Robot, bodies: Sequence[MovingBody], coupling: Coupling) -> tuple[list[str], str]:
+    """What bodies cannot be for.
 
     Args:
         robot: The URDF.
         bodies: What moves of it.
         coupling: Which coordinate each of them follows.
 
-    Raises:
-        ArmError: Names the links or joints, their lines, what is wrong and how to mend it.
+    Returns:
+        A sentence for each, with links or joints, their lines, and what is wrong; and how to mend tensors, if any.
     """
     masses = np.array([body.mass for body in bodies])
     led = [float(masses[coupling.coordinate == coordinate].sum()) for coordinate in coupling.coordinate]
     problems = [problem for body, mass in zip(bodies, led, strict=True) for problem in body_problems(robot, body, mass)]
-    if not problems:
-        return
-    tensors = any(tensor_problem(body.mass, body.inertia) for body in bodies if np.all(np.isfinite(body.inertia)))
-    remedies = []
-    if tensors:
-        repair = f"{flag_words('repair')} takes the nearest that is possible, and says by how much it differs"
-        remedies = [TENSOR_REMEDY, repair]
-    if len(problems) == 1:
-        raise ArmError(robot.path, "; ".join([problems[0], *remedies]))
-    lines = [f"{shown(robot.path)}: {len(problems)} faults of what moves:", *problems]
-    if remedies:
-        lines.append(f"Of each tensor: {'; '.join(remedies)}")
-    raise ArmError(robot.path, "\n  ".join(lines))
+    tensors = any(
+        body.mass > 0.0 and not number_problems(robot, body) and tensor_problem(body.mass, body.inertia)
+        for body in bodies
+        if np.all(np.isfinite(body.inertia))
+    )
+    repair = f"{flag_words('repair')} takes the nearest that is possible, and says by how much it differs"
+    return problems, f"{TENSOR_REMEDY}; {repair}" if tensors else ""
 
 
 def impossible_link(robot: Robot, body: MovingBody) -> str:

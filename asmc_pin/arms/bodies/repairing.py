@@ -55,4 +55,11 @@ def repaired(robot: Robot, model: pin.Model, locked: Collection[str]) -> Robot:
     # The user has the file as it was before them: places in messages are in that one.
     joints = {name: replace(joint, where=robot.joints[name].where) for name, joint in new_robot.joints.items()}
     inertials = {name: replace(own, where=robot.inertials[name].where) for name, own in new_robot.inertials.items()}
-    return replace(new_robot, name=robot.name, joints=joints, inertials=inertials)
+    return replace(
+        new_robot,
+        name=robot.name,
+        joints=joints,
+        inertials=inertials,
+        faults=robot.faults,
+        densities=robot.densities,
+    )

@@ -7,6 +7,7 @@ motors in it; its mass may lie elsewhere, which nothing here can know.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from asmc_pin.arms.urdf.urdf_document import Document
 from asmc_pin.arms.urdf.urdf_structure import MOVING, check_structure
 from asmc_pin.errors import ArmError, ParameterError
 from asmc_pin.words.provisos import Proviso
-from asmc_pin.words.text import printable
+from asmc_pin.words.text import counted, printable
 
 EstimateInertia = float | Mapping[str, float]
 """kg: the mass of all links that are estimated together, or link to mass."""
@@ -79,7 +80,9 @@ def with_estimated_inertia(document: Document, masses: EstimateInertia, files: R
     for name, shape in solids.items():
         _write(links[name], float(given[name]), shape)
     density = None if isinstance(masses, Mapping) else masses / volume
-    return document.rewritten(Proviso("estimated inertia", _told(solids, given, density, unreadable)))
+    densities = {name: float(given[name]) / found.solid.volume for name, found in solids.items()}
+    told = Proviso("estimated inertia", _told(solids, given, density, unreadable))
+    return replace(document, densities=densities).rewritten(told)
 
 
 def _chosen(document: Document, links: Mapping[str, Any], masses: EstimateInertia) -> list[list[str]]:
@@ -157,7 +160,8 @@ def _told(
         said = f"{of}; uniform density in each link"
     else:
         total = sum(given[name] for name in solids)
-        said = f"{total:g} kg over {len(solids)} links in proportion to volume, {density:.4g} kg/m³ throughout: {of}"
+        over = counted(len(solids), "link")
+        said = f"{total:g} kg over {over} in proportion to volume, {density:.4g} kg/m³ throughout: {of}"
     for kind in KINDS:
         names = [f"'{printable(name)}'" for name, found in solids.items() if found.kind == kind]
         if names:

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from asmc_pin.arms.urdf.faults import Fault
 from asmc_pin.arms.urdf.magnitudes import LENGTH, RATIO
 from asmc_pin.arms.urdf.urdf_reading import Joint, Mimic, Robot
-from asmc_pin.errors import ArmError
 from asmc_pin.rigid_body.coupling import Coupling
 
 _ROUNDING = 1e-9
@@ -29,12 +29,14 @@ class Followed:
         driven: The joints that have a coordinate, with the friction and the limits that their followers bring.
         mimics: Name of each joint that follows to the driven joint that it follows, at the end of the way.
         notes: What followers leave of limits, in plain words.
+        faults: Couplings that cannot be; the joints of these are taken as driven.
     """
 
     coupling: Coupling
     driven: tuple[Joint, ...]
     mimics: Mapping[str, Mimic]
     notes: tuple[str, ...]
+    faults: tuple[Fault, ...] = ()
 
 
 def settle_mimics(robot: Robot, joints: Sequence[Joint], lock: Collection[str]) -> Followed:
@@ -47,12 +49,16 @@ def settle_mimics(robot: Robot, joints: Sequence[Joint], lock: Collection[str]) 
 
     Returns:
         The joints.
-
-    Raises:
-        ArmError: Joints that mimic each other in a ring, or a ratio that is too large.
     """
     follows = {joint.name: joint.mimic for joint in joints if joint.mimic is not None and joint.name not in lock}
-    mimics = {name: _master(robot, name, follows) for name in follows}
+    mimics: dict[str, Mimic] = {}
+    faults: dict[frozenset[str], Fault] = {}
+    for name in follows:
+        found = _master(robot, name, follows)
+        if isinstance(found, Mimic):
+            mimics[name] = found
+        else:
+            faults.setdefault(frozenset(found.about), found)
     numbers = {joint.name: k for k, joint in enumerate(joint for joint in joints if joint.name not in mimics)}
     own = Mimic("", 1.0, 0.0)
     coupling = Coupling(
@@ -68,15 +74,15 @@ def settle_mimics(robot: Robot, joints: Sequence[Joint], lock: Collection[str]) 
             merged, said = _merged(joint, behind)
             driven.append(merged)
             notes += said
-    return Followed(coupling, tuple(driven), mimics, tuple(notes))
+    return Followed(coupling, tuple(driven), mimics, tuple(notes), tuple(faults.values()))
 
 
 def _is_followed(mimics: Mapping[str, Mimic], other: Joint, joint: Joint) -> bool:
     return other.name in mimics and mimics[other.name].joint == joint.name
 
 
-def _master(robot: Robot, name: str, follows: Mapping[str, Mimic]) -> Mimic:
-    """The joint at the end of the way, and how it is followed."""
+def _master(robot: Robot, name: str, follows: Mapping[str, Mimic]) -> Mimic | Fault:
+    """The joint at the end of the way, and how it is followed; or why there is none."""
     place = robot.joints[name].where
     at, multiplier, offset, way = name, 1.0, 0.0, [name]
     while at in follows:
@@ -85,16 +91,19 @@ def _master(robot: Robot, name: str, follows: Mapping[str, Mimic]) -> Mimic:
         multiplier *= step.multiplier
         at = step.joint
         if at in way:
-            ring = " → ".join(f"'{item}'" for item in [*way[way.index(at) :], at])
-            raise ArmError(
-                robot.path,
+            around = way[way.index(at) :]
+            ring = " → ".join(f"'{item}'" for item in [*around, at])
+            return Fault(
+                "mimic",
+                tuple(around),
                 f"{place}: joints mimic each other in a ring, {ring}, so none of them leads; mend <mimic>, or free one "
                 f"by name: lock={{'{at}': 'free'}} (--lock {at}=free)",
             )
         way.append(at)
     if not (1.0 / RATIO <= abs(multiplier) <= RATIO and abs(offset) <= LENGTH):
-        raise ArmError(
-            robot.path,
+        return Fault(
+            "mimic",
+            (name,),
             f"{place}: it mimics '{at}' as {multiplier:g} · '{at}' + {offset:g}; ratios from {1.0 / RATIO:g} to "
             f"{RATIO:g} are computed with; mend <mimic>",
         )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 from xml.parsers import expat
@@ -42,6 +43,7 @@ class Document:
         provisos: In what `text` and `root` are not as the file that was read.
         expanded: Whether it was a xacro file or MJCF, so that line numbers are none of its own.
         mjcf: What MuJoCo made of the file, where it was MJCF.
+        densities: Of the links whose inertia was estimated, the density that this means, kg/m³.
     """
 
     path: Path
@@ -51,6 +53,7 @@ class Document:
     provisos: tuple[Proviso, ...] = ()
     expanded: bool = False
     mjcf: MjcfModel | None = None
+    densities: Mapping[str, float] = field(default_factory=dict)
 
     def rewritten(self, *provisos: Proviso) -> Document:
         """The same with `root` as the text, after a change to it that these provisos tell of."""

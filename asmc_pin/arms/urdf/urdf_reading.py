@@ -15,13 +15,13 @@ import yourdfpy
 from lxml import etree
 
 from asmc_pin._typing import Array
+from asmc_pin.arms.urdf.faults import Fault
 from asmc_pin.arms.urdf.magnitudes import FRICTION, LIMIT
 from asmc_pin.arms.urdf.mjcf_conversion import MjcfModel
 from asmc_pin.arms.urdf.repair_record import read_repair
 from asmc_pin.arms.urdf.rigid_inertia import LinkInertia
 from asmc_pin.arms.urdf.urdf_document import Document
 from asmc_pin.arms.urdf.urdf_structure import MOVING, NUMBERS, check_structure, where
-from asmc_pin.errors import ArmError
 from asmc_pin.words.provisos import Proviso
 
 # Pinocchio wants to see a range at every joint; nothing reads this one, `Joint` has the real limits.
@@ -90,7 +90,9 @@ class Robot:
             `JOINT_PREFIX` before every joint's name.
         inertials: Masses and tensors as they are written, by link; links without are left out.
         provisos: See `Document`; and what was repaired of it, as the text itself says.
+        faults: What it is to be refused for, although it can be read.
         mjcf: See `Document`.
+        densities: See `Document`.
     """
 
     path: Path
@@ -104,7 +106,9 @@ class Robot:
     xml: str
     inertials: Mapping[str, LinkInertia]
     provisos: tuple[Proviso, ...]
+    faults: tuple[Fault, ...]
     mjcf: MjcfModel | None
+    densities: Mapping[str, float]
 
 
 def _stripped(document: Document) -> Any:
@@ -137,7 +141,8 @@ def _float(value: object, default: float) -> float:
     return default if value is None else float(str(value))
 
 
-def _joint(document: Document, raw: Any, element: Any) -> Joint:
+def _joint(raw: Any, place: str, faults: list[Fault]) -> Joint:
+    """A joint as it is written; what it is to be refused for joins `faults`."""
     limit = raw.limit or yourdfpy.Limit()
     dynamics = raw.dynamics or yourdfpy.Dynamics()
     lower, upper = _float(limit.lower, 0.0), _float(limit.upper, 0.0)
@@ -145,23 +150,19 @@ def _joint(document: Document, raw: Any, element: Any) -> Joint:
     if continuous or lower == upper == 0.0:
         lower, upper = -np.inf, np.inf
     lower, upper = -np.inf if lower < -LIMIT else lower, np.inf if upper > LIMIT else upper
-    place = where(document, element)
     if lower > upper:
-        raise ArmError(
-            document.path, f"{place}: its lower limit {lower:g} is above its upper limit {upper:g}; swap them"
-        )
+        told = f"its lower limit {lower:g} is above its upper limit {upper:g}; swap them"
+        faults.append(Fault("limits", (raw.name,), f"{place}: {told}"))
     effort, velocity = _float(limit.effort, 0.0), _float(limit.velocity, 0.0)
     friction, damping = _float(dynamics.friction, 0.0), _float(dynamics.damping, 0.0)
     for what, value in (("friction", friction), ("damping", damping)):
         if value < 0.0:
-            raise ArmError(
-                document.path, f"{place}: its {what} {value:g} is negative, which would drive it; make it ≥ 0"
-            )
+            told = f"its {what} {value:g} is negative, which would drive it; make it ≥ 0"
+            faults.append(Fault("friction", (raw.name,), f"{place}: {told}"))
         if value > FRICTION:
-            raise ArmError(
-                document.path,
-                f"{place}: its {what} is {value:g}, and at most {FRICTION:g} is taken; correct the number",
-            )
+            told = f"its {what} is {value:g}, and at most {FRICTION:g} is taken; correct the number"
+            faults.append(Fault("friction", (raw.name,), f"{place}: {told}"))
+    follows_none = any(fault.kind == "mimic" and fault.about == (raw.name,) for fault in faults)
     mimic = raw.mimic and Mimic(raw.mimic.joint, _float(raw.mimic.multiplier, 1.0), _float(raw.mimic.offset, 0.0))
     return Joint(
         name=raw.name,
@@ -174,7 +175,7 @@ def _joint(document: Document, raw: Any, element: Any) -> Joint:
         velocity=velocity if velocity > 0.0 else np.inf,
         friction=friction,
         damping=damping,
-        mimic=mimic,
+        mimic=None if follows_none else mimic,
         where=place,
     )
 
@@ -188,10 +189,13 @@ def _pinocchio_xml(root: Any) -> str:
             for element in joint.findall(tag):
                 joint.remove(element)
         axis = joint.find("axis")
-        if joint.get("type") == "fixed":
-            # Files write "0 0 0" there, which is no direction.
+        zero = axis is not None and not any(map(float, axis.get("xyz", "1 0 0").split()))
+        if joint.get("type") == "fixed" or zero:
+            # Files write "0 0 0" there, which is no direction; of a joint that moves it is a fault.
             if axis is not None:
                 joint.remove(axis)
+            axis = None
+        if joint.get("type") == "fixed":
             continue
         if joint.get("type") == "continuous":
             joint.set("type", "revolute")
@@ -232,9 +236,9 @@ def read_robot(document: Document) -> Robot:
         Its joints and links, and the XML for Pinocchio.
 
     Raises:
-        ArmError: The URDF is at fault; the message names the joint or link, the line, and how to correct it.
+        ArmError: It cannot be told what is in it; the message names the joint or link, the line, and how to correct it.
     """
-    check_structure(document)
+    faults = list(check_structure(document))
     root = _stripped(document)
     raw = yourdfpy.URDF.load(io.BytesIO(etree.tostring(root)), build_scene_graph=False, load_meshes=False).robot
     elements = {element.get("name"): element for element in document.root.findall("joint")}
@@ -243,12 +247,14 @@ def read_robot(document: Document) -> Robot:
         name=root.get("name") if document.expanded else document.path.stem,
         text=document.text,
         sha256=document.sha256,
-        joints={j.name: _joint(document, j, elements[j.name]) for j in raw.joints if j.type in MOVING},
+        joints={j.name: _joint(j, where(document, elements[j.name]), faults) for j in raw.joints if j.type in MOVING},
         fixed=tuple(j.name for j in raw.joints if j.type not in MOVING),
         links=tuple(link.name for link in raw.links),
         carried={joint.child: (joint.name, joint.parent) for joint in raw.joints},
         xml=_pinocchio_xml(root),
         inertials=_inertials(document, raw.links),
         provisos=tuple(dict.fromkeys((*document.provisos, *read_repair(document)))),
+        faults=tuple(faults),
         mjcf=document.mjcf,
+        densities=document.densities,
     )

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from asmc_pin.arms.registry import nearest
+from asmc_pin.arms.urdf.faults import Fault, refused
 from asmc_pin.arms.urdf.magnitudes import LENGTH
 from asmc_pin.arms.urdf.urdf_document import Document
 from asmc_pin.disk.reading import shown
@@ -82,82 +83,85 @@ def _quoted(element: Any, attribute: str, text: str) -> str:
     return f'<{element.tag} {attribute}="{printable(text)}">'
 
 
-def _check_number(document: Document, owner: Any, element: Any, attribute: str, text: str) -> None:
+def _number_problem(document: Document, owner: Any, element: Any, attribute: str, text: str) -> str:
     place = f"{where(document, owner)}: {_quoted(element, attribute, text)}"
     try:
         value = as_number(text)
     except ValueError:
-        raise ArmError(document.path, f"{place} is not a number; write it like 0.25 or 2.5e-1") from None
+        return f"{place} is not a number; write it like 0.25 or 2.5e-1"
     if element.tag == "origin" and math.isfinite(value) and abs(value) > LENGTH:
         unit = "m" if attribute == "xyz" else "rad"
-        raise ArmError(document.path, f"{place}: at most {LENGTH:g} {unit} are taken; correct the number, or its unit")
+        return f"{place}: at most {LENGTH:g} {unit} are taken; correct the number, or its unit"
     if math.isnan(value) or (math.isinf(value) and element.tag != "limit"):
-        raise ArmError(
-            document.path, f"{place} is not a finite number; a URDF exporter writes this when its input lacks data"
-        )
+        return f"{place} is not a finite number; a URDF exporter writes this when its input lacks data"
+    return ""
 
 
-def _check_numbers(document: Document, owner: Any) -> None:
+def _number_problems(document: Document, owner: Any) -> Iterator[str]:
     inertial = owner.find("inertial")
     for element in (*owner, *(inertial if inertial is not None else ())):
         for attribute in _REQUIRED.get(element.tag, ()):
             if element.get(attribute) is None:
-                raise ArmError(document.path, f'{where(document, owner)}: <{element.tag}> lacks {attribute}="…"')
+                yield f'{where(document, owner)}: <{element.tag}> lacks {attribute}="…"'
         for attribute in _SCALARS.get(element.tag, ()):
             if element.get(attribute) is not None:
-                _check_number(document, owner, element, attribute, element.get(attribute))
+                yield _number_problem(document, owner, element, attribute, element.get(attribute))
         for attribute in _VECTORS.get(element.tag, ()):
             text = element.get(attribute)
             if text is None:
                 continue
             if len(text.split()) != 3:
                 place = f"{where(document, owner)}: {_quoted(element, attribute, text)}"
-                raise ArmError(document.path, f"{place} needs three numbers, separated by spaces")
-            for part in text.split():
-                _check_number(document, owner, element, attribute, part)
+                yield f"{place} needs three numbers, separated by spaces"
+                continue
+            found = (_number_problem(document, owner, element, attribute, part) for part in text.split())
+            yield next((problem for problem in found if problem), "")
     if inertial is not None:
         for part in ("mass", "inertia"):
             if inertial.find(part) is None:
-                raise ArmError(
-                    document.path, f"{where(document, owner)}: <inertial> has no <{part}>; add it, or remove <inertial>"
-                )
+                yield f"{where(document, owner)}: <inertial> has no <{part}>; add it, or remove <inertial>"
 
 
-def _check_joint(document: Document, joint: Any, links: Mapping[str, None]) -> None:
+def _joint_problems(document: Document, joint: Any, links: Mapping[str, None]) -> Iterator[str]:
     place = where(document, joint)
     kind = joint.get("type")
     if kind not in _KINDS:
-        raise ArmError(document.path, f"{place}: its type is {printable(repr(kind))}; a URDF knows {', '.join(_KINDS)}")
+        yield f"{place}: its type is {printable(repr(kind))}; a URDF knows {', '.join(_KINDS)}"
     if kind == "floating":
-        raise ArmError(
-            document.path,
+        yield (
             f'{place}: a floating base. These are arms on a fixed base: make the joint type="fixed", or remove it and '
-            "its parent link",
+            "its parent link"
         )
     if kind == "planar":
-        raise ArmError(
-            document.path,
+        yield (
             f"{place}: a planar joint has several coordinates, here every joint has one; make it fixed, or write it as "
-            "two prismatic joints with a link between",
+            "two prismatic joints with a link between"
         )
     for role in ("parent", "child"):
         element = joint.find(role)
         name = None if element is None else element.get("link")
         if not name:
-            raise ArmError(document.path, f'{place}: no <{role} link="…"/>')
-        if name not in links:
-            raise ArmError(
-                document.path,
-                f"{place}: its {role} link '{printable(name)}' does not exist; {nearest(name, list(links))}",
-            )
+            yield f'{place}: no <{role} link="…"/>'
+        elif name not in links:
+            yield f"{place}: its {role} link '{printable(name)}' does not exist; {nearest(name, list(links))}"
+
+
+def _joint_faults(document: Document, joint: Any, names: Sequence[str]) -> Iterator[Fault]:
+    """What is wrong with a joint that can be told all the same."""
+    place, about = where(document, joint), (joint.get("name"),)
     axis = joint.find("axis")
-    if kind in MOVING and axis is not None and not any(float(x) for x in axis.get("xyz", "1 0 0").split()):
-        raise ArmError(
-            document.path, f"{place}: its axis is zero; give the direction about or along which it moves, such as 0 0 1"
-        )
+    if joint.get("type") in MOVING and axis is not None and not any(map(float, axis.get("xyz", "1 0 0").split())):
+        told = "its axis is zero; give the direction about or along which it moves, such as 0 0 1"
+        yield Fault("axis", about, f"{place}: {told}")
     mimic = joint.find("mimic")
-    if mimic is not None and not mimic.get("joint"):
-        raise ArmError(document.path, f"{place}: <mimic> names no joint")
+    if mimic is None:
+        return
+    master = mimic.get("joint")
+    if not master:
+        yield Fault("mimic", about, f"{place}: <mimic> names no joint")
+    elif master not in names:
+        told = f"mimics joint '{printable(master)}', which does not exist; {nearest(master, list(names))}"
+        yield Fault("mimic", about, f"{place}: {told}")
 
 
 def _check_tree(document: Document, links: list[str], joints: list[Any]) -> None:
@@ -200,11 +204,14 @@ def _check_tree(document: Document, links: list[str], joints: list[Any]) -> None
         )
 
 
-def check_structure(document: Document) -> None:
+def check_structure(document: Document) -> tuple[Fault, ...]:
     """Check names, numbers, joint types and the tree.
 
+    Returns:
+        What it is to be refused for, although all of it can be read.
+
     Raises:
-        ArmError: The first fault found, with the joint or link, the line, and how to correct it.
+        ArmError: It cannot be told what is in it: the joints or links, their lines, and how to correct them.
     """
     _check_name(document, document.root, "robot's", document.root.get("name") or "")
     count = len(document.root.findall("link"))
@@ -216,24 +223,16 @@ def check_structure(document: Document) -> None:
     links = [link.get("name") for link in _named(document, "link")]
     joints = _named(document, "joint")
     known = dict.fromkeys(links)
-    for owner in document.root:
-        if owner.tag in ("link", "joint"):
-            _check_numbers(document, owner)
-    for joint in joints:
-        _check_joint(document, joint, known)
-    names = [joint.get("name") for joint in joints]
-    for joint in joints:
-        mimic = joint.find("mimic")
-        if mimic is not None and mimic.get("joint") not in names:
-            master = mimic.get("joint")
-            raise ArmError(
-                document.path,
-                f"{where(document, joint)}: mimics joint '{printable(master)}', which does not exist; "
-                f"{nearest(master, names)}",
-            )
+    owners = [owner for owner in document.root if owner.tag in ("link", "joint")]
+    problems = [problem for owner in owners for problem in _number_problems(document, owner) if problem]
+    problems += [problem for joint in joints for problem in _joint_problems(document, joint, known)]
+    if problems:
+        raise refused(document.path, problems)
     _check_tree(document, links, joints)
     if not any(joint.get("type") in MOVING for joint in joints):
         raise ArmError(
             document.path,
             f"{shown(document.path)}: nothing movable; an arm needs a revolute, continuous or prismatic joint",
         )
+    names = [joint.get("name") for joint in joints]
+    return tuple(fault for joint in joints for fault in _joint_faults(document, joint, names))

@@ -56,7 +56,8 @@ def expand(path: Path, arguments: Mapping[str, str], files: RobotFiles) -> tuple
     import xacro
     from xacrodoc import packages
 
-    with _package_search(packages, files):
+    declared: set[str] = set()
+    with _package_search(packages, files), _bare_declarations(xacro, declared):
         for _ in range(_MOST_PACKAGES):
             given = _Arguments(arguments)
             already = len(xacro.all_includes)
@@ -65,7 +66,7 @@ def expand(path: Path, arguments: Mapping[str, str], files: RobotFiles) -> tuple
                 with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
                     dom = xacro.process_file(str(path), mappings=given)
             except Exception as error:  # xacro lets through whatever an expression raises
-                cause = getattr(error, "exc", None) or error
+                cause = _cause(error)
                 if not isinstance(cause, packages.PackageNotFoundError):
                     raise ArmError(path, _why(path, error, cause, xacro) + _arguments(given, arguments)) from None
                 packages.update_package_cache({str(cause.args[0]): _package(path, str(cause.args[0]), files)})
@@ -74,9 +75,9 @@ def expand(path: Path, arguments: Mapping[str, str], files: RobotFiles) -> tuple
             break
         else:
             raise ArmError(path, f"{shown(path)}: names more than {_MOST_PACKAGES} packages; no robot needs as many")
-    unknown = [name for name in arguments if name not in given.asked]
+    unknown = [name for name in arguments if name not in given.asked | declared]
     if unknown:
-        known = sorted(given.asked - set(unknown))
+        known = sorted((given.asked | declared) - set(unknown))
         told = f"no argument '{printable(unknown[0])}' in {printable(path.name)}; {nearest(unknown[0], known)}"
         raise ParameterError("xacro", told)
     text: str = dom.toxml()
@@ -118,6 +119,31 @@ def _package_search(packages: Any, files: RobotFiles) -> Iterator[None]:
         packages.reset()
 
 
+@contextlib.contextmanager
+def _bare_declarations(xacro: Any, declared: set[str]) -> Iterator[None]:
+    """Let files declare an argument without a default, which xacro refuses: whoever asks for it has to be given it.
+
+    Args:
+        xacro: The module; its reader of files is another one in the block.
+        declared: Gets the names of such arguments.
+    """
+    read = xacro.parse
+
+    def parse(*given: Any, **named: Any) -> Any:
+        tree = read(*given, **named)
+        for element in list(tree.getElementsByTagName("xacro:arg")):
+            if element.hasAttribute("name") and not element.hasAttribute("default"):
+                declared.add(element.getAttribute("name"))
+                element.parentNode.removeChild(element)
+        return tree
+
+    xacro.parse = parse
+    try:
+        yield
+    finally:
+        xacro.parse = read
+
+
 def _package(path: Path, name: str, files: RobotFiles) -> Path:
     found = files.package(name)
     if found is None:
@@ -128,6 +154,13 @@ def _package(path: Path, name: str, files: RobotFiles) -> Path:
             f"(package={{'{printable(name)}': DIR}} in Python)",
         )
     return found
+
+
+def _cause(error: Exception) -> Exception:
+    """What is wrong at the bottom of it: xacro wraps an error once for each expression that it is in."""
+    while isinstance(inner := getattr(error, "exc", None), Exception):
+        error = inner
+    return error
 
 
 def _why(path: Path, error: Exception, cause: Exception, xacro: Any) -> str:

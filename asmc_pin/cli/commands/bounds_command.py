@@ -13,7 +13,6 @@ from asmc_pin.cli.commands.condition_commands import EXIT
 from asmc_pin.cli.console import note, print_json, progress_bar, say
 from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
 from asmc_pin.cli.options import (
-    NO_CERTIFICATE,
     ArmArgument,
     BoxOption,
     BudgetOption,
@@ -61,8 +60,10 @@ def bounds(
 
         report = run(loaded, scaling=scaling, gap=gap, budget=budget, box=ranges, seed=seed, progress=tell, **domain)
     if certificate is not None:
-        if loaded.mimics:
-            note(f"{NO_CERTIFICATE}; none was written to {certificate}")
+        from asmc_pin.condition.certificate.writing import unwritable
+
+        if why := unwritable(loaded):
+            note(f"{why}; none was written to {certificate}")
         elif report.proofs:
             note(f"certificate: {report.save(certificate)}")
         else:

@@ -13,7 +13,6 @@ from asmc_pin.cli.console import note, print_json, progress_bar, rich_console, s
 from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
 from asmc_pin.cli.next_step import again, say_next
 from asmc_pin.cli.options import (
-    NO_CERTIFICATE,
     ArmArgument,
     BoxOption,
     BudgetOption,
@@ -156,8 +155,10 @@ def prove(
 
         result = certify(arm, mbar, progress=tell, **options)
     if certificate is not None:
-        if arm.mimics:
-            note(f"{NO_CERTIFICATE}; none was written to {certificate}")
+        from asmc_pin.condition.certificate.writing import unwritable
+
+        if why := unwritable(arm):
+            note(f"{why}; none was written to {certificate}")
         elif result.proofs:
             note(f"certificate: {result.save(certificate)}")
         else:

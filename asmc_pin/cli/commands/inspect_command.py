@@ -15,7 +15,7 @@ from asmc_pin.disk.files import check_writable
 
 
 @app.command(rich_help_panel=LISTS)
-@takes_loading_options()
+@takes_loading_options(ranges=False)
 def inspect(
     arm: ArmArgument,
     html: Annotated[
@@ -27,7 +27,8 @@ def inspect(
 ) -> None:
     """Say what is read of a URDF, joint by joint, and all that is doubtful about it, in one go.
 
-    Exit status 0: other commands take it; 1: they refuse it, the text says why.
+    Exit status 0: other commands take it; 1: they refuse it, and the text says all that they refuse it for; 2: nothing
+    of it can be told.
     """
     keywords = single_keywords(loading)
     if html is not None and Path(html).parent.exists():  # else it is made

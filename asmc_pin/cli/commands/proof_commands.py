@@ -64,7 +64,7 @@ def _say_next(result: CheckResult) -> None:
 
 
 @app.command(rich_help_panel=LISTS)
-@takes_loading_options()
+@takes_loading_options(ranges=False)
 def agree(
     arm: ArmArgument,
     loading: LoadingOptions = NOTHING,

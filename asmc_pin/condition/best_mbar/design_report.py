@@ -10,6 +10,7 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.condition.condition_report import ConditionReport, stop_lines
 from asmc_pin.condition.hypotheses import Condition, Hypotheses
+from asmc_pin.words.joint_units import column_cells, column_head
 from asmc_pin.words.shown import UNDEFINED, Cells, Shown
 from asmc_pin.words.text import printable, rounded_down, rounded_up
 
@@ -239,13 +240,17 @@ class DesignReport(Shown):
 
     def table(self) -> Cells:
         """M̄, its bounds and the worst configuration, joint by joint; a dash where there is none."""
-        none = [UNDEFINED] * len(self.joints)
-        mbar = none if self.mbar is None else [f"{value:.6g}" for value in self.mbar]
-        worst = none if self.check is None else [f"{value:+.6f}" for value in self.check.worst_q]
-        ends = ([f"{value:g}" for value in end] for end in self.bounds)
-        unit = "rad or m" if any(self.hypotheses.slides) else "rad"
+        none, slides = [UNDEFINED] * len(self.joints), self.hypotheses.slides
+        mbar = none
+        if self.mbar is not None:
+            mbar = column_cells([f"{value:.6g}" for value in self.mbar], "inertia", slides)
+        worst = none
+        if self.check is not None:
+            worst = column_cells([f"{value:+.6f}" for value in self.check.worst_q], "place", slides)
+        ends = (column_cells([f"{value:g}" for value in end], "inertia", slides) for end in self.bounds)
         rows = zip(map(printable, self.joints), mbar, *ends, worst, strict=True)
-        return ["joint", "m̄ kg·m²", "at least", "at most", f"worst q {unit}"], [list(row) for row in rows]
+        heads = [column_head("m̄", "inertia", slides), "at least", "at most", column_head("worst q", "place", slides)]
+        return ["joint", *heads], [list(row) for row in rows]
 
     def headline(self) -> str:
         """The verdict, and what M̄ is worth."""

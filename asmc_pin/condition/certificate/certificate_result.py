@@ -14,6 +14,7 @@ from asmc_pin.condition.hypotheses import Hypotheses
 from asmc_pin.condition.judged import Judged
 from asmc_pin.condition.premises import worst_keys
 from asmc_pin.errors import ResultError
+from asmc_pin.words.text import counted
 
 if TYPE_CHECKING:
     from asmc_pin.condition.domain.arm_ranges import Case
@@ -81,7 +82,8 @@ class CertificateResult(Judged):
 
     def headline(self) -> str:
         """The verdict, and what it is about."""
-        return f"{self.hypotheses.title}: {self.verdict}  (certified, {self.boxes} boxes, {self.seconds:.1f} s)"
+        boxes = counted(self.boxes, "box", "boxes")
+        return f"{self.hypotheses.title}: {self.verdict}  (certified, {boxes}, {self.seconds:.1f} s)"
 
     def lines(self) -> list[str]:
         """What the verdict is about, the verdict, and what is proven; a line per finding."""

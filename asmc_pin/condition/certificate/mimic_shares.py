@@ -25,8 +25,12 @@ if TYPE_CHECKING:
     from asmc_pin.rigid_body.tree import Tree
 
 _SAMPLES, _ROUNDS = 32, 80
+_HALVINGS = 50
 _LARGEST = 1e3
 """Of a share: their sum is rounded at their own size."""
+
+_SAFE = 1e-14
+"""Share of all that is borne that is added, so that the sums of rounded numbers are what they have to be."""
 
 _ROUNDING = 1e-15
 """Share of its ends by which a follower's range is widened, for the products that it is made of."""
@@ -85,6 +89,25 @@ def unfold(tree: Tree, lower: Array, upper: Array, mbar: Array, statement: State
     return Unfolded(free, ends[0] - wider, ends[1] + wider, mbar[coordinate], own, share / ratio**2, even / ratio**2)
 
 
+def weights_of(tree: Tree, mbar: Array, unfolded: Unfolded) -> Array:
+    """What each joint bears of m̄, as a certificate states it, shape (n,): for sure not less than m̄ on what S allows.
+
+    Of ``bounded`` not more. What is added is some hundred roundings, and far less than the margin of the proof.
+
+    Args:
+        tree: The arm, or a branch of it.
+        mbar: Of its coordinates, shape (nv,), kg·m².
+        unfolded: The statement that was proven.
+    """
+    coupling = tree.coupling
+    borne = unfolded.mbar * unfolded.share
+    size = np.bincount(coupling.coordinate, np.abs(coupling.ratio**2 * borne), tree.nv)
+    weights = np.array(borne)
+    sign = -1.0 if unfolded.statement.kind == "bounded" else 1.0
+    weights[coupling.leader] += sign * _SAFE * (size + mbar)
+    return weights
+
+
 def halved(tree: Tree, whole: Box, piece: tuple[Array, Array]) -> list[tuple[Array, Array]]:
     """Both halves of a box of coordinates, cut where it is widest against the whole; those that joints follow first.
 
@@ -94,15 +117,15 @@ def halved(tree: Tree, whole: Box, piece: tuple[Array, Array]) -> list[tuple[Arr
         piece: Its ends, each (nv,).
 
     Returns:
-        The halves; nothing where no coordinate matters.
+        The halves; nothing where no coordinate matters, or it was halved as often as any is.
     """
     lower, upper = piece
     followed = np.bincount(tree.coupling.coordinate, minlength=tree.nv) > 1
     wide = np.where(whole.free, (upper - lower) / np.maximum(whole.upper - whole.lower, 1e-300), 0.0)
     at = int(np.argmax(wide * np.where(followed, 2.0, 1.0)))
-    if wide[at] <= 0.0:
-        return []
     middle = 0.5 * (lower[at] + upper[at])
+    if not lower[at] < middle < upper[at] or wide[at] < 0.5**_HALVINGS:
+        return []
     ends, begins = upper.copy(), lower.copy()
     ends[at], begins[at] = middle, middle
     return [(lower, ends), (begins, upper)]

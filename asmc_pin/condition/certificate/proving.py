@@ -11,7 +11,6 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
 from asmc_pin.condition.certificate.certificate_result import CertificateResult, Verdict
-from asmc_pin.condition.certificate.compiled.bisection_tree import LEAF
 from asmc_pin.condition.certificate.stopping import FREED, INTERRUPTED
 from asmc_pin.condition.certificate.strategy import ProofProgress, Prover
 from asmc_pin.condition.certificate.walk import get_ready
@@ -152,7 +151,7 @@ def certify(
         refuted_q=worst.scale_q,
         refuted_armature=worst.scale_armature,
         refuted_index=worst.scale_case,
-        boxes=int(sum(np.count_nonzero(proof.record == LEAF) for proof in counted)),
+        boxes=sum(proof.boxes for proof in counted),
         tests=prover.tests + worst.evaluations,
         seconds=clock.seconds(),
         history=tuple(prover.history),

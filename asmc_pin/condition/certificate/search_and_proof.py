@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from asmc_pin.condition.condition_report import ConditionReport
 from asmc_pin.condition.hypotheses import Hypotheses
 from asmc_pin.errors import ParameterError
+from asmc_pin.words.text import counted
 
 if TYPE_CHECKING:
     from asmc_pin.condition.certificate.certificate_result import CertificateResult
@@ -64,8 +65,8 @@ def certified(report: ConditionReport, result: CertificateResult) -> ConditionRe
         notes=(*(note for note in report.notes if not note.startswith(sampled)), *_new(report, result)),
         method=(
             *report.method,
-            f"proof by bounds over {result.boxes} boxes, {result.tests} tested, in floating point with enclosed "
-            f"errors; it stopped because: {result.reason}",
+            f"proof by bounds over {counted(result.boxes, 'box', 'boxes')}, {result.tests} tested, in floating point "
+            f"with enclosed errors; it stopped because: {result.reason}",
         ),
     )
 

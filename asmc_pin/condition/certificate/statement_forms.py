@@ -18,7 +18,7 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.certificate.compiled.working_state import Problem
-from asmc_pin.condition.certificate.mimic_shares import unfold
+from asmc_pin.condition.certificate.mimic_shares import Unfolded, unfold
 from asmc_pin.condition.certificate.statement import Statement
 
 if TYPE_CHECKING:
@@ -73,9 +73,20 @@ def problem_of(tree: Tree, lower: Array, upper: Array, mbar: Array, statement: S
     Returns:
         The problem; its arrays are its own.
     """
-    share = even = np.ones(tree.joints)
+    return problem_of_unfolded(freed(tree, lower, upper, mbar, statement))
+
+
+def freed(tree: Tree, lower: Array, upper: Array, mbar: Array, statement: Statement) -> Unfolded:
+    """A statement about joints that all move freely; the same one where none mimics another."""
     if tree.coupling.follows:
-        tree, lower, upper, mbar, statement, share, even = unfold(tree, lower, upper, mbar, statement)
+        return unfold(tree, lower, upper, mbar, statement)
+    alike = np.ones(tree.joints)
+    return Unfolded(tree, lower, upper, mbar, statement, alike, alike)
+
+
+def problem_of_unfolded(unfolded: Unfolded) -> Problem:
+    """The same of a statement about joints that all move freely."""
+    tree, lower, upper, mbar, statement, share, even = unfolded
     n = tree.nv
     place, rigid = canonical(tree)
     f = statement.scale * (1.0 + MARGIN)

@@ -22,7 +22,7 @@ SHARE_SPENT = "its share of the time was spent"
 TOO_SLOW = "it would not have ended in time"
 FREED = (
     "joints that mimic others: proven as if each moved freely and bore a share of its m̄, which is sufficient and may "
-    "fall short of what holds; in floating point alone, no certificate can be written and replayed"
+    "fall short of what holds"
 )
 SHARES = (
     "joints that mimic others are proven as if each moved freely and bore a share of its m̄, which is more than has to "

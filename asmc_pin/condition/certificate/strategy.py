@@ -11,9 +11,10 @@ import numpy as np
 
 from asmc_pin._typing import Array, IntArray
 from asmc_pin.condition.certificate import stopping
-from asmc_pin.condition.certificate.mimic_shares import halved
+from asmc_pin.condition.certificate.compiled.bisection_tree import LEAF
+from asmc_pin.condition.certificate.mimic_shares import Unfolded, halved, weights_of
 from asmc_pin.condition.certificate.statement import Kind, Statement
-from asmc_pin.condition.certificate.statement_forms import MARGIN, problem_of
+from asmc_pin.condition.certificate.statement_forms import MARGIN, freed, problem_of_unfolded
 from asmc_pin.condition.certificate.stopping import Obstacle
 from asmc_pin.condition.certificate.walk import UNKNOWN, Record, Walk, in_joints, prove
 from asmc_pin.condition.certificate.worst_known import Worst
@@ -25,6 +26,7 @@ from asmc_pin.condition.norm.two_conditions import Condition
 
 if TYPE_CHECKING:
     from asmc_pin.condition.domain.arm_ranges import Case
+    from asmc_pin.rigid_body.tree import Tree
 
 Outcome = Literal["proven", "blocked", "slow", "stopped"]
 
@@ -229,10 +231,11 @@ class Prover:
         parts = [branches(self._cases[statement.case].domain.arm.tree) for statement in statements]
         number, count = 0, sum(map(len, parts))
         for statement, mine in zip(statements, parts, strict=True):
-            records = []
+            records: list[Record] = []
+            weights: list[Array] = []
             for joints in mine:
                 watch = _Watch(self, label, patient, number, count)
-                walk, own = self._branch(statement, joints, watch)
+                walk, own, borne = self._branch(statement, joints, watch)
                 if walk.status == "stopped":
                     return "slow" if watch.slow else "stopped"
                 if walk.q is not None:
@@ -244,45 +247,61 @@ class Prover:
                     self.obstacle = Obstacle(walk.status, statement, q)
                     return "blocked"
                 records += own
+                weights += borne
                 number += 1
-            proofs.append(Proof(statement, np.concatenate(records)))
+            proofs.append(Proof(statement, np.concatenate(records), tuple(weights)))
         self.proofs[key] = tuple(proofs)
         return "proven"
 
-    def _branch(self, statement: Statement, joints: IntArray, watch: _Watch) -> tuple[Walk, list[Record]]:
-        """Prove one branch's box, in pieces where joints mimic others; the last walk, and the records of all."""
+    def _branch(self, statement: Statement, joints: IntArray, watch: _Watch) -> tuple[Walk, list[Record], list[Array]]:
+        """Prove one branch's box, in pieces where joints mimic others.
+
+        Returns:
+            The last walk, the records, and where joints mimic others the weights of every piece.
+        """
         domain = self._cases[statement.case].domain
         tree, whole = branch_of(domain.arm.tree, joints), domain.box.of(joints)
-        pieces, cuts = [(whole.lower, whole.upper)], 0
+        if not domain.arm.tree.coupling.follows:
+            walk = self._walk(statement, joints, tree, (whole.lower, whole.upper), watch)[0]
+            self.tests += walk.tests
+            return walk, [in_joints(walk.record, joints)], []
+        moving = np.flatnonzero(np.isin(domain.arm.tree.coupling.coordinate, joints))
+        pieces, cuts, cut_at = [(whole.lower, whole.upper)], 0, bytearray()
         records: list[Record] = []
+        weights: list[Array] = []
         while True:
             piece = pieces.pop()
-            walk = self._walk(statement, joints, piece, watch)
+            walk, unfolded = self._walk(statement, joints, tree, piece, watch)
             self.tests += walk.tests
             if walk.status == "proven":
-                # Of joints that mimic others no record is written, and there is none in the arm's own numbers.
-                records.append(walk.record if tree.coupling.follows else in_joints(walk.record, joints))
+                cut_at.append(LEAF)
+                records.append(in_joints(walk.record, moving))
+                weights.append(weights_of(tree, self._mbar[joints], unfolded))
                 if pieces:
                     continue
-                return walk, records
+                return walk, [np.frombuffer(bytes(cut_at), dtype=np.uint8), *records], weights
             # What is only sufficient loses less over a smaller box.
             halves = halved(tree, whole, piece) if tree.coupling.follows and walk.q is not None else []
             if not halves or cuts == _CUTS:
-                return walk, records
+                return walk, [], []
             if time.monotonic() > self.deadline:
-                return replace(walk, status="stopped"), records
-            pieces += halves
+                return replace(walk, status="stopped"), [], []
+            low, high = halves
+            cut_at.append(int(joints[np.argmax(low[1] != high[1])]))
+            pieces += [high, low]
             cuts += 1
 
-    def _walk(self, statement: Statement, joints: IntArray, box: tuple[Array, Array], watch: _Watch) -> Walk:
+    def _walk(
+        self, statement: Statement, joints: IntArray, tree: Tree, box: tuple[Array, Array], watch: _Watch
+    ) -> tuple[Walk, Unfolded]:
         """Bisect a box of one branch, beginning with the halvings of the last walk of it that was one to the end."""
-        domain = self._cases[statement.case].domain
         lower, upper = box
         own = replace(statement, armature=statement.armature[joints], slack=statement.slack[joints])
         place = np.concatenate((statement.armature, lower, upper)).tobytes()
         name = statement.kind, statement.case, int(joints[0]), place
+        unfolded = freed(tree, lower, upper, self._mbar[joints], own)
         walk = prove(
-            problem_of(branch_of(domain.arm.tree, joints), lower, upper, self._mbar[joints], own),
+            problem_of_unfolded(unfolded),
             hint=self._hints.get(name, UNKNOWN),
             deadline=self.deadline,
             threads=self._threads,
@@ -290,7 +309,7 @@ class Prover:
         )
         if walk.status == "proven":
             self._hints[name] = walk.record
-        return walk
+        return walk, unfolded
 
 
 class _Watch:

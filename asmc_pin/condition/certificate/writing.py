@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.condition.certificate.compiled.bisection_tree import LEAF
 from asmc_pin.condition.certificate.container import (
     FORMAT,
     MOST_HEADER,
@@ -28,17 +29,41 @@ from asmc_pin.condition.domain.payload_ranges import has_places
 from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import ResultError
 from asmc_pin.words.provisos import provisos_json
+from asmc_pin.words.text import quoted
 
 if TYPE_CHECKING:
+    from asmc_pin.arms import Arm
     from asmc_pin.condition.domain.arm_ranges import Case
 
 
 @dataclass(frozen=True, eq=False)
 class Proof:
-    """A proven statement: its box, halved as the record says, is positive in every leaf."""
+    """A proven statement: its box, halved as the record says, is positive in every leaf.
+
+    Attributes:
+        statement: What is proven.
+        record: The bisections. Where joints mimic others, of each branch that of its box into pieces, and for each
+            piece that of its joints' box.
+        weights: Where joints mimic others, for each piece what every joint of its branch bears of m̄, kg·m² (kg).
+    """
 
     statement: Statement
     record: Record
+    weights: tuple[Array, ...] = ()
+
+    @property
+    def boxes(self) -> int:
+        """How many boxes were proven; what only cuts a box into pieces is not counted."""
+        return int(np.count_nonzero(self.record == LEAF)) - len(self.weights)
+
+
+def unwritable(arm: Arm) -> str:
+    """Why no certificate can be of an arm; empty where one can."""
+    own = arm.made_of.robot.joints
+    freed = [quoted(name) for name in arm.joint_names if own[name].mimic is not None]
+    if freed:
+        return f"no certificate has joints that mimic others in the URDF and were freed: {', '.join(freed)}"
+    return ""
 
 
 def write(path: Path, figures: dict[str, Any], cases: Sequence[Case], proofs: Sequence[Proof]) -> Path:
@@ -53,8 +78,10 @@ def write(path: Path, figures: dict[str, Any], cases: Sequence[Case], proofs: Se
     Raises:
         ResultError: The checker could not read it, or it cannot be written.
     """
-    if cases[0].domain.arm.mimics or has_places([case.domain.arm.payload for case in cases]):
-        raise ResultError(path, "joints that mimic others and ranges of a payload's place are in no certificate")
+    if has_places([case.domain.arm.payload for case in cases]):
+        raise ResultError(path, "ranges of a payload's place are in no certificate")
+    if unwritable(cases[0].domain.arm):
+        raise ResultError(path, unwritable(cases[0].domain.arm))
     records = [proof.record for proof in proofs]
     arm = cases[0].domain.arm
     header: dict[str, Any] = {
@@ -64,6 +91,8 @@ def write(path: Path, figures: dict[str, Any], cases: Sequence[Case], proofs: Se
         "sha256": arm.sha256,
         "urdf_sha256": hashlib.sha256(arm.urdf_text.encode()).hexdigest(),
         "joints": list(arm.joint_names),
+        # Likewise left out.
+        **({"moving": list(arm.model.names)[1:]} if arm.mimics else {}),
         # Left out where there are none: such a certificate is the same as before there were any.
         **({"provisos": provisos_json(arm.provisos)} if arm.provisos else {}),
         **figures,
@@ -76,6 +105,7 @@ def write(path: Path, figures: dict[str, Any], cases: Sequence[Case], proofs: Se
                 "case": proof.statement.case,
                 "armature": numbers(proof.statement.armature),
                 "slack": numbers(proof.statement.slack),
+                **({"weights": [numbers(row) for row in proof.weights]} if proof.weights else {}),
             }
             for proof in proofs
         ],

@@ -26,14 +26,14 @@ class BoundsConclusion:
         scaling: Diagonal of S.
         lower: m₁ I ≺ S M S, None where nothing is proven; and an eigenvalue that is not above this was shown.
         upper: S M S ≺ m₂ I, likewise.
-        coriolis: ‖S C(q, Sx) Sx‖ ≤ c ‖x‖².
+        coriolis: ‖S C(q, Sx) Sx‖ ≤ c ‖x‖²; None where joints follow others, of which no bound is shown.
     """
 
     verdict: Literal["holds", "undecided"]
     scaling: tuple[float, ...]
     lower: tuple[float | None, float]
     upper: tuple[float | None, float]
-    coriolis: float
+    coriolis: float | None
 
     @property
     def condition_number(self) -> float | None:
@@ -65,21 +65,23 @@ class BoundsConclusion:
         seen = f"at most {rounded_up(self.lower[1])} and one of at least {rounded_down(self.upper[1])}"
         return [
             f"{self.verdict}: over every q of the box {', '.join(said) or 'nothing is proven of its eigenvalues'}",
-            f"‖{forces}‖ ≤ {rounded_up(self.coriolis)} ‖{size}‖², from masses and reaches",
+            f"nothing is shown of ‖{forces}‖, where joints mimic others"
+            if self.coriolis is None
+            else f"‖{forces}‖ ≤ {rounded_up(self.coriolis)} ‖{size}‖², from masses and reaches",
             f"shown at configurations: an eigenvalue of {seen}",
             f"Scaling: {scaling_words(self.scaling)}",
         ]
 
 
 def conclude_bounds(
-    told: BoundsContents, shown: EndsSeen, forces: Callable[[float | None], float]
+    told: BoundsContents, shown: EndsSeen, forces: Callable[[float | None], float | None]
 ) -> tuple[BoundsConclusion, list[str]]:
     """What follows from the statements, if all of them are true, and what the header claims beyond it.
 
     Args:
         told: The header.
         shown: What its two configurations show, with S^(−2) for W.
-        forces: The bound c of the velocity forces, with a bound m₂ of S M S or without.
+        forces: The bound c of the velocity forces, with a bound m₂ of S M S or without; None where there is none.
 
     Returns:
         The conclusion, and a sentence for each claim that does not follow.
@@ -101,8 +103,11 @@ def conclude_bounds(
         said.append(f"nothing in the file proves that no eigenvalue is below {told.lower[0]:.9g}")
     if told.upper[0] is not None and (high is None or told.upper[0] < high):
         said.append(f"nothing in the file proves that no eigenvalue is above {told.upper[0]:.9g}")
-    if not (math.isfinite(conclusion.coriolis) and told.coriolis >= conclusion.coriolis):
-        said.append(f"the velocity forces are bounded by {conclusion.coriolis:.9g}, not by {told.coriolis:.9g}")
+    most, claimed_most = conclusion.coriolis, told.coriolis
+    if most is None and claimed_most is not None:
+        said.append("nothing in the file bounds the velocity forces of joints that follow others")
+    elif most is not None and (claimed_most is None or not (math.isfinite(most) and claimed_most >= most)):
+        said.append(f"the velocity forces are bounded by {most:.9g}, not by {claimed_most}")
     for claimed, value in ((told.lower[1], shown.least), (told.upper[1], shown.largest)):
         if not abs(claimed - value) <= _NEAR * value:
             said.append(f"at its configuration the eigenvalue is {value:.9g}, not {claimed:.9g}")

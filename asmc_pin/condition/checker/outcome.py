@@ -10,7 +10,7 @@ from asmc_pin.condition.checker.conclusions import Conclusion
 from asmc_pin.condition.checker.loop_conclusion import LoopConclusion
 from asmc_pin.condition.checker.spot_checks import Spots
 from asmc_pin.condition.hypotheses import Hypotheses, Premises
-from asmc_pin.words.text import printable, rounded_down, rounded_up, visible
+from asmc_pin.words.text import counted, printable, rounded_down, rounded_up, visible
 
 
 @dataclass(frozen=True)
@@ -109,15 +109,17 @@ class CheckResult:
             widths = [w for s in self.statements if s.spots.widths is not None for w in s.spots.widths]
             size = f" (half widths {min(widths):.2g} to {max(widths):.2g})" if widths else ""
             found.append(
-                f"  in ball arithmetic, from the URDF's decimals: {points} configurations of them, and {boxes} small "
-                f"boxes in them{size}, satisfy their statements"
+                f"  in ball arithmetic, from the URDF's decimals: {counted(points, 'configuration')} of them, and "
+                f"{counted(boxes, 'small box', 'small boxes')} in them{size}, satisfy their statements"
             )
         return [*found, f"  {self.seconds:.1f} s"]
 
 
 def _line(s: CheckedStatement) -> str:
     where = f" ({s.case})" if s.case else ""
+    cover = "1 box covers" if s.boxes == 1 else f"{s.boxes} boxes cover"
+    again = ("" if s.boxes == 1 else "all ") + "proven again"
     return (
-        f"  {s.kind}, scale {rounded_down(s.scale)}, level {rounded_up(s.level)}{where}: {s.boxes} boxes cover the "
-        f"joint box, {'all proven again' if s.proven else 'not all proven again'} ({s.halved} halved further)"
+        f"  {s.kind}, scale {rounded_down(s.scale)}, level {rounded_up(s.level)}{where}: {cover} the joint box, "
+        f"{again if s.proven else f'not {again}'} ({s.halved} halved further)"
     )

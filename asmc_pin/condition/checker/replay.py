@@ -113,7 +113,9 @@ def _conclusion(told: Header, arms: _Arms) -> tuple[Conclusion | BoundsConclusio
         with ctx.workprec(PRECISIONS[0]):
             weights = [1 / arb(s) ** 2 for s in told.scaling]
 
-        def forces(largest: float | None) -> float:
+        def forces(largest: float | None) -> float | None:
+            if told.moving:  # the bound is one of joints that move freely
+                return None
             ends = zip(told.cases, arms.balls, strict=True)
             return max(velocity_forces_in_balls(arm, c.lower, c.upper, told.scaling, largest) for c, arm in ends)
 
@@ -122,6 +124,8 @@ def _conclusion(told: Header, arms: _Arms) -> tuple[Conclusion | BoundsConclusio
         weights = [arb(m) for m in told.mbar]
 
         def resists(claim: GravityClaim) -> bool:
+            if told.moving:
+                return False
             ends = zip(told.cases, arms.balls, strict=True)
             springs = [stiffness_in_balls(arm, c.lower, c.upper, told.mbar, claim.magnitude) for c, arm in ends]
             return small_gain_holds(told, claim.pieces, max(springs))
@@ -159,14 +163,14 @@ def _arms(told: Header, urdf: str) -> _Arms:
         if key not in known:
             if (len(known) + 1) * len(robot.bodies) > _MOST_BODIES:
                 raise Unreadable(f"its cases have more than {_MOST_BODIES} links together")
-            known[key] = chain_of(robot, told.joints, case.locked, case.load)
+            known[key] = chain_of(robot, told.joints, case.locked, case.load, told.moving)
         chain = known[key]
         mass = np.array(case.sample_mass)
-        ours = chain.mass_matrix(np.array(case.sample_q), np.zeros(len(told.joints)))
+        ours = chain.arm_mass(np.array(case.sample_q))
         if not np.abs(ours - mass).max() <= _SAME * np.abs(mass).max():
             raise Unreadable("the URDF in the file, read anew, is another arm than the one that the proof is of")
         chains.append(chain)
-        balls.append(BallArm(robot, told.joints, case.locked, case.load))
+        balls.append(BallArm(robot, told.joints, case.locked, case.load, told.moving))
     return _Arms(chains, balls, subject(told, urdf, robot, chains[0]))
 
 

@@ -6,7 +6,7 @@ the cells in which least is left, and in some drawn at random.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,6 @@ from flint import arb, ctx
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.checker.balls.balls import PRECISIONS, BallArm, holds
-from asmc_pin.condition.checker.boxes.quadratic_form import Form, least_eigenvalues
 from asmc_pin.condition.checker.reading.header_parts import WrittenCase, WrittenStatement
 
 _TRIED = 256
@@ -48,7 +47,7 @@ class Spots:
 
 def spot_checks(
     arm: BallArm,
-    form: Form,
+    least: Callable[[Array], Array],
     statement: WrittenStatement,
     case: WrittenCase,
     mbar: Sequence[float],
@@ -61,7 +60,7 @@ def spot_checks(
 
     Args:
         arm: The arm.
-        form: The statement in floating point: it only guides to where least is left.
+        least: How little is left of it at configurations (k, nv), in floating point, shape (k,): it only guides.
         statement: The statement.
         case: Its case.
         mbar: M̄.
@@ -87,7 +86,7 @@ def spot_checks(
     for centre, half in zip(centres, halves, strict=True):
         q = centre + half * rng.uniform(-1.0, 1.0, (_TRIED, centre.size))
         q = np.clip(np.concatenate((centre[None], q)), case.lower, case.upper)
-        q = q[np.argmin(least_eigenvalues(form, q))]
+        q = q[np.argmin(least(q))]
         armature = _armature(statement, case, rng)
         verdict = _asked(arm, statement, mbar, q, np.zeros_like(q), armature)
         if verdict != "true":

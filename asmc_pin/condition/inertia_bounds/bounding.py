@@ -11,7 +11,6 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
-from asmc_pin.condition.certificate.compiled.bisection_tree import LEAF
 from asmc_pin.condition.certificate.stopping import INTERRUPTED
 from asmc_pin.condition.certificate.strategy import ProofProgress, unprovable
 from asmc_pin.condition.certificate.walk import get_ready
@@ -122,7 +121,7 @@ def bounds(
         upper=Bound(high, largest.value, largest.q),
         condition_number=_condition_number(all_cases, scale, low, high, np.stack((least.q, largest.q)), seed),
         coriolis=_coriolis(all_cases, scale, high, seed),
-        boxes=int(sum(np.count_nonzero(proof.record == LEAF) for proof in proofs)),
+        boxes=sum(proof.boxes for proof in proofs),
         tests=tests,
         seconds=clock.seconds(),
         reasons=(reasons[0], reasons[1]),
@@ -172,4 +171,9 @@ def _notes(all_cases: Sequence[Case], scaling: Array) -> tuple[str, ...]:
         notes.append(idle)
     if len(set(domain.arm.joint_kinds)) > 1 and np.all(scaling == 1.0):
         notes.append("revolute and prismatic joints: eigenvalues add kg·m² to kg; give a scaling of the joints")
+    if domain.arm.mimics:
+        notes.append(
+            "velocity forces: no c is proven where joints mimic others, for the proof is one of joints that move "
+            "freely; what was found is what a search saw"
+        )
     return tuple(notes)

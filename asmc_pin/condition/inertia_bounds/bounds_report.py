@@ -14,7 +14,7 @@ from asmc_pin.condition.certificate.writing import Proof, write
 from asmc_pin.condition.hypotheses import Premises, scaling_words
 from asmc_pin.errors import ResultError
 from asmc_pin.words.shown import UNDEFINED, Cells, Shown
-from asmc_pin.words.text import printable, rounded_down, rounded_up
+from asmc_pin.words.text import counted, printable, rounded_down, rounded_up
 
 if TYPE_CHECKING:
     from asmc_pin.condition.domain.arm_ranges import Case
@@ -98,7 +98,8 @@ class BoundsReport(Shown):
         matrix = "M(q)" if np.all(self.scaling == 1.0) else "S M(q) S"
         low = UNDEFINED if self.lower.proven is None else f"{rounded_down(self.lower.proven)} I"
         high = UNDEFINED if self.upper.proven is None else f"{rounded_up(self.upper.proven)} I"
-        return f"{self.about.title}: {low} ≺ {matrix} ≺ {high}  (certified, {self.boxes} boxes, {self.seconds:.1f} s)"
+        boxes = counted(self.boxes, "box", "boxes")
+        return f"{self.about.title}: {low} ≺ {matrix} ≺ {high}  (certified, {boxes}, {self.seconds:.1f} s)"
 
     def lines(self) -> list[str]:
         """What it is about, the bounds, and why the proofs stopped."""

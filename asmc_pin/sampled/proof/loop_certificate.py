@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from asmc_pin.clock import Clock
-from asmc_pin.condition.certificate.compiled.bisection_tree import LEAF
 from asmc_pin.condition.certificate.stopping import GAP_MET, INTERRUPTED, OUT_OF_TIME
 from asmc_pin.condition.certificate.strategy import ProofProgress
 from asmc_pin.condition.certificate.walk import get_ready
@@ -130,7 +129,7 @@ def certify_loop(
         gravity=None if pieces is None else magnitude,
         stable_between=(above(1 / inverse_low), below(1 / inverse_high)),
         seen_between=(1.0 / largest.value, 1.0 / least.value),
-        boxes=int(sum(np.count_nonzero(proof.record == LEAF) for proof in proofs)),
+        boxes=sum(proof.boxes for proof in proofs),
         seconds=clock.seconds(),
         reason=reason if verdict == "undecided" else "",
         no_gravity=no_gravity if verdict == "stable" else "",

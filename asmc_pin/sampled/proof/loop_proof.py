@@ -12,7 +12,7 @@ from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.errors import ResultError
 from asmc_pin.sampled.proof.gravity_proof import Pieces
 from asmc_pin.sampled.sampled_loop import SampledLoop
-from asmc_pin.words.text import exact, printable, rounded_down, rounded_up
+from asmc_pin.words.text import counted, exact, printable, rounded_down, rounded_up
 
 if TYPE_CHECKING:
     from asmc_pin.condition.domain.arm_ranges import Case
@@ -59,8 +59,8 @@ class LoopProof:
         """What is proven, and what is not, a line each."""
         low, high = self.stable_between
         said = {
-            "stable": f"proven: the loop frozen at every q of the box, without gravity, is stable ({self.boxes} boxes, "
-            f"{self.seconds:.1f} s)",
+            "stable": f"proven: the loop frozen at every q of the box, without gravity, is stable "
+            f"({counted(self.boxes, 'box', 'boxes')}, {self.seconds:.1f} s)",
             "unstable": "refuted: the loop frozen at a q of the box, without gravity, is not stable",
             "undecided": f"not proven: whether the loop frozen at every q of the box is stable ({self.reason})",
         }[self.verdict]

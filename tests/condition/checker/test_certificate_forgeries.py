@@ -15,9 +15,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from arm_urdf import write
 from certificate_cases import blocks
 from certificate_truth import untruths
 from condition_cases import chain
+from coupled_urdf import gripper
 
 from asmc_pin import BoundsReport, LoopProof, SampledLoop, bounds, certify_loop, load_arm
 from asmc_pin.arms import Arm, Payload
@@ -31,7 +33,7 @@ SHARES = 40
 """The mutations are dealt into so many hands, of which the quick suite plays one, `make test-all` a third
 and `make soundness` all."""
 
-KINDS = ("level", "ranges", "payload", "locks", "violated", "tube", "asked", "bounds", "loop", "unstable")
+KINDS = ("level", "ranges", "payload", "locks", "violated", "tube", "asked", "bounds", "loop", "unstable", "mimic")
 LOAD = Payload(0.5, com=(0.02, 0.0, 0.05), inertia=(0.01, 0.001, 0.0, 0.02, 0.0, 0.015))
 
 
@@ -57,6 +59,9 @@ def _made(kind: str, folder: Path) -> CertificateResult | BoundsReport | LoopPro
         return certify(load_arm("double_pendulum"), 5.0, condition="weighted", gap=0.5, budget=1e-4)
     if kind == "bounds":
         return bounds(arm, scaling=[1.0, 2.5], payload=(0.0, 0.4), armature=[(0.01, 0.02), (0.0, 0.01)], gap=0.05)
+    if kind == "mimic":
+        coupled = load_arm(write(folder, gripper(), "mimic.urdf"), armature=0.02)
+        return certify(coupled, _mbar(coupled, 1.0), condition="weighted", **quick)
     if kind in ("loop", "unstable"):
         gain = 20.0 if kind == "loop" else 200.0
         return certify_loop(arm, SampledLoop(np.full(2, 0.03), gain, gain, 1e-3), armature=[(0.01, 0.02), (0.0, 0.0)])

@@ -26,6 +26,7 @@ from asmc_pin.condition.checker.balls.ball_geometry import (
     unit,
     zero,
 )
+from asmc_pin.condition.checker.reading.following import following
 from asmc_pin.condition.checker.reading.header_parts import Load, WrittenStatement
 from asmc_pin.condition.checker.reading.urdf_text import Description
 
@@ -66,20 +67,28 @@ class BallArm:
 
     Args:
         robot: The robot.
-        joints: Names of its moving joints, each after the one before it.
+        joints: Names of its joints with a coordinate.
         locked: The angles of the others, rad (m where prismatic), exact.
         payload: What is fastened to a link of it.
+        moving: Names of all its joints that move, each after the one before it, where some follow others.
 
     Attributes:
         bodies: What moves with each of its joints.
+        follow: How its joints follow its coordinates.
     """
 
     def __init__(
-        self, robot: Description, joints: Sequence[str], locked: Mapping[str, float], payload: Load | None
+        self,
+        robot: Description,
+        joints: Sequence[str],
+        locked: Mapping[str, float],
+        payload: Load | None,
+        moving: Sequence[str] = (),
     ) -> None:
-        index = {name: i for i, name in enumerate(joints)}
+        self.follow = following(robot, joints, moving)
+        index = {name: i for i, name in enumerate(self.follow.moving)}
         heads: dict[int, tuple[int, arb_mat, arb_mat, arb_mat, bool]] = {}
-        loads = [(arb(0), zero(), arb_mat(3, 3)) for _ in joints]
+        loads = [(arb(0), zero(), arb_mat(3, 3)) for _ in index]
         with ctx.workprec(PRECISIONS[-1]):
             waiting = [(robot.root, -1, *still())]
             while waiting:
@@ -100,10 +109,27 @@ class BallArm:
                     angle = arb(locked[joint.name])
                     moved = (turned, at + turned * axis * angle) if slides else (turned * about(axis, angle), at)
                     waiting.append((joint.child, body, *moved))
-        self.bodies = [Body(*heads[i], *loads[i]) for i in range(len(joints))]
+        self.bodies = [Body(*heads[i], *loads[i]) for i in range(len(index))]
 
     def mass_matrix(self, q: Sequence[arb], armature: Sequence[arb]) -> arb_mat:
-        """M(q) + diag(armature), an enclosure of it for every q and armature in the balls; (n, n).
+        """M(q) + diag(armature), an enclosure of it for every q and armature in the balls; (nv, nv).
+
+        Of joints that follow others it is Sᵀ M S with the S of their ratios.
+        """
+        follow = self.follow
+        if not follow.follows:
+            return self._of_joints(q, armature)
+        rows = zip(follow.coordinate, follow.ratio, follow.offset, strict=True)
+        tree = self._of_joints([ratio * q[c] + offset for c, ratio, offset in rows], [arb(0)] * len(self.bodies))
+        nv = len(follow.joints)
+        total = [[armature[a] if a == b else arb(0) for b in range(nv)] for a in range(nv)]
+        for i, a in enumerate(follow.coordinate):
+            for j, b in enumerate(follow.coordinate):
+                total[a][b] += follow.ratio[i] * tree[i, j] * follow.ratio[j]
+        return arb_mat(total)
+
+    def _of_joints(self, q: Sequence[arb], armature: Sequence[arb]) -> arb_mat:
+        """The same of joints that move freely, (n, n).
 
         With a body's origin at velocity v and its turning ω, 2 T = m v·v + 2 v·(ω × m c) + ω·(I ω).
         """

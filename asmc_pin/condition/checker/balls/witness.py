@@ -61,7 +61,7 @@ def inside(told: Header, seen: Seen, chain: Chain) -> tuple[list[float], list[fl
     case = told.cases[seen.case]
     found: list[list[float]] = []
     # Joints that carry the whole arm do not matter.
-    free = [bool(parent >= 0) for parent in chain.parent]
+    free = [bool(matters) for matters in chain.matters]
     for values, lower, upper, matters in (
         (seen.q, case.lower, case.upper, free),
         (seen.armature, case.armature_lower, case.armature_upper, [True] * len(free)),

@@ -84,31 +84,56 @@ def lift(X: Array, p: int) -> Array:
     return out
 
 
+@dataclass(frozen=True, eq=False)
+class Borne:
+    """What each joint of a form has to do with M̄ and the armature, each shape (n,), kg·m² (kg).
+
+    Attributes:
+        mbar: m̄ of the coordinate that it follows, in N.
+        armature: Its own.
+        slack: Range of the armature beyond that.
+        most: What is borne of m̄ where the form falls with it.
+        least: The same where the form grows with it.
+    """
+
+    mbar: Array
+    armature: Array
+    slack: Array
+    most: Array
+    least: Array
+
+
 def form_of(chain: Chain, mbar: Array, statement: WrittenStatement, lower: Array, upper: Array) -> Form:
-    """A statement of a certificate as a quadratic form."""
+    """A statement of a certificate as a quadratic form, of joints that move freely."""
+    own = Borne(mbar, np.array(statement.armature), np.array(statement.slack), mbar, mbar)
+    return form_with(chain, own, statement, lower, upper)
+
+
+def form_with(chain: Chain, borne: Borne, statement: WrittenStatement, lower: Array, upper: Array) -> Form:
+    """The same with another part of m̄ at each joint."""
+    mbar, armature, slack = borne.mbar, borne.armature, borne.slack
     n = mbar.size
     f, gamma, kind = statement.scale, statement.level, statement.kind
-    armature, slack = np.array(statement.armature), np.array(statement.slack)
     if slack.any():
         slack = slack + SLACKER * (armature + slack)
     root = np.sqrt(mbar)
     if kind in ("weighted", "bounded"):
         pairing, mixing = np.array([[1.0 if kind == "weighted" else -1.0]]), np.ones((n, 1, 1))
-        share = f * mbar / (1.0 + gamma if kind == "weighted" else 1.0 - gamma)
+        share = f * borne.most / (1.0 + gamma) if kind == "weighted" else f * borne.least / (1.0 - gamma)
         own = (armature - share if kind == "weighted" else share - armature - slack)[:, None, None]
-        own_size = (share + armature + slack)[:, None]
+        own_size = (np.abs(share) + armature + slack)[:, None]
     else:
         pairing, middle = np.array([[0.0, 1.0], [1.0, 0.0]]), float(np.exp(np.log(root).mean()))
         mixing = np.stack((root / middle, middle / root), axis=1)[:, :, None]
-        own = (2.0 * armature - f * mbar)[:, None, None]
-        own_size = (2.0 * armature + f * mbar)[:, None]
+        own = (2.0 * armature - f * borne.most)[:, None, None]
+        own_size = (2.0 * armature + f * np.maximum(np.abs(borne.most), borne.least))[:, None]
         if kind == "level":
             s = float(np.sqrt((1.0 - gamma) * (1.0 + gamma)))
             mixing = np.concatenate((mixing, mixing * np.array([[0.0], [s]])), axis=2)
             own = np.zeros((n, 2, 2))
             # Over the armature's range the 2 × 2 part loses no more than this much along its negative direction.
             least, direction = (part[..., 0] for part in np.linalg.eigh(np.array([[2.0, s], [s, 0.0]])))
-            own[:, 0, 0], own[:, 1, 1] = 2.0 * armature - f * mbar, f * mbar
+            own[:, 0, 0], own[:, 1, 1] = 2.0 * armature - f * borne.most, f * borne.least
             own[:, 0, 1] = own[:, 1, 0] = s * armature
             own -= (slack * abs(float(least)))[:, None, None] * np.outer(direction, direction)
             own_size = np.repeat(own_size, 2, axis=1) + (s * armature + 2.0 * slack)[:, None]
@@ -136,8 +161,12 @@ def joint_space(form: Form, q: Array) -> Array:
 
 
 def least_eigenvalues(form: Form, q: Array) -> Array:
-    """The least eigenvalue of that matrix over the largest, q (..., n), result (...)."""
-    values = np.linalg.eigvalsh(joint_space(form, q))
+    """The least eigenvalue of that matrix over the largest, of the arm at coordinates q (..., nv), result (...)."""
+    P = joint_space(form, form.chain.joints(q))
+    if form.chain.follows:
+        S = np.kron(form.chain.spread, np.eye(form.mixing.shape[2]))
+        P = S.T @ P @ S
+    values = np.linalg.eigvalsh(P)
     return np.asarray(values[..., 0] / np.abs(values[..., -1]))
 
 

@@ -10,9 +10,10 @@ import numpy as np
 
 from asmc_pin._typing import Array, IntArray
 from asmc_pin.condition.checker.balls.balls import BallArm
-from asmc_pin.condition.checker.boxes.bisection import by_branch, cells, leaves
+from asmc_pin.condition.checker.boxes.bisection import cells, leaves
 from asmc_pin.condition.checker.boxes.box_bounds import WIDE, holds
-from asmc_pin.condition.checker.boxes.quadratic_form import Form, form_of
+from asmc_pin.condition.checker.boxes.pieces_of_statement import parts_of, whole_form
+from asmc_pin.condition.checker.boxes.quadratic_form import Form, least_eigenvalues
 from asmc_pin.condition.checker.conclusions import armature_words
 from asmc_pin.condition.checker.outcome import CheckedStatement
 from asmc_pin.condition.checker.reading.header_parts import Header, WrittenStatement
@@ -71,36 +72,48 @@ def replay_statement(
         Malformed: The statement is about another armature than its case.
     """
     case = told.cases[statement.case]
-    lower, upper = np.array(case.lower), np.array(case.upper)
-    form = form_of(chain, np.array(told.mbar), statement, lower, upper)
     spotted = max(2, _SPOTS // len(told.statements))
     words = ", ".join(filter(None, (words, armature_words(told, statement))))
-    total, halved, problem = leaves(record), 0, ""
+    total, halved, problem = 0, 0, ""
     centres, halves = [], []
+    whole = whole_form(told, statement, chain)
     # M is block diagonal where branches hang on the base one by one: each has boxes of its own joints alone.
-    for joints, part in by_branch(record, chain.parent):
-        replay = _Replay(form.branch(joints), leaves(part), spotted, seed, tell)
-        for piece in cells(part, joints.size):
-            problem = replay.prove(*piece.boxes(lower[joints], upper[joints]))
+    for part in parts_of(told, statement, record, chain, balls.follow):
+        replay = _Replay(part.form, leaves(part.record), spotted, seed, tell)
+        total += replay.total
+        for piece in cells(part.record, part.joints.size):
+            problem = replay.prove(*piece.boxes(part.form.lower, part.form.upper))
             if problem:
                 break
         halved += replay.halved
         if problem:
             break
         for centre, half in zip(*replay.chosen(), strict=True):
-            whole, still = 0.5 * (lower + upper), np.zeros_like(lower)
-            whole[joints], still[joints] = centre, half
-            centres.append(whole)
+            middle, still = part.among(centre, half, case)
+            centres.append(middle)
             halves.append(still)
     spots = Spots()
     if not problem:
         least = max(4, _POINTS // len(told.statements))
-        spots = spot_checks(balls, form, statement, case, told.mbar, np.array(centres), np.array(halves), seed, least)
+        some = np.array(centres), np.array(halves)
+        if chain.follows:  # every piece has some, and there may be a hundred
+            some = _some_of(whole, *some, 2 * spotted)
+        spots = spot_checks(
+            balls, lambda q: least_eigenvalues(whole, q), statement, case, told.mbar, *some, seed, least
+        )
         problem = spots.problem
     result = CheckedStatement(
         statement.kind, statement.scale, statement.level, words, total, halved, not problem, spots
     )
     return result, problem
+
+
+def _some_of(form: Form, centres: Array, halves: Array, count: int) -> tuple[Array, Array]:
+    """So many cells: one half those with least left at their centres, the other half from everywhere else."""
+    order = np.argsort(least_eigenvalues(form, centres), kind="stable")
+    first, rest = order[: count // 2], order[count // 2 :]
+    at = np.concatenate((first, rest[:: max(1, -(-rest.size // (count - count // 2)))]))
+    return centres[at], halves[at]
 
 
 class _Replay:

@@ -63,7 +63,7 @@ class BoundsContents(_SpectrumContents):
     scaling: Row
     lower: tuple[Annotated[Figure, Field(gt=0.0)] | None, Annotated[Figure, Field(gt=0.0)]]
     upper: tuple[Annotated[Figure, Field(gt=0.0)] | None, Annotated[Figure, Field(gt=0.0)]]
-    coriolis: Annotated[Figure, Field(ge=0.0)]
+    coriolis: Annotated[Figure, Field(ge=0.0)] | None
 
     @model_validator(mode="after")
     def _scaled(self) -> BoundsContents:

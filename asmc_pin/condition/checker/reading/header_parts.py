@@ -116,7 +116,10 @@ class WrittenCase(Part):
 
 
 class WrittenStatement(Part):
-    """One positivity statement; see docs/certificate.md."""
+    """One positivity statement; see docs/certificate.md.
+
+    Where joints follow others, `weights` has for each piece of its box what every joint of the branch bears of m̄.
+    """
 
     kind: Literal["weighted", "bounded", "lemma1", "level"]
     scale: Annotated[Figure, Field(gt=0.0)]
@@ -124,6 +127,7 @@ class WrittenStatement(Part):
     case: Index
     armature: Row
     slack: Row
+    weights: tuple[Row, ...] = ()
 
     @model_validator(mode="after")
     def _of_its_kind(self) -> WrittenStatement:
@@ -157,7 +161,8 @@ class WrittenProviso(Part):
 class Header(Part):
     """What every header says. `arm`, `source`, `sha256` and the labels are its maker's words and are not used.
 
-    Nor do statements rest on `provisos`, which are repeated as its maker's words.
+    Nor do statements rest on `provisos`, which are repeated as its maker's words. `moving` names all joints that move,
+    where some of them follow those of `joints`.
     """
 
     format: Text
@@ -166,6 +171,7 @@ class Header(Part):
     sha256: Text
     urdf_sha256: Text
     joints: Annotated[tuple[Name, ...], Field(min_length=1, max_length=64)]
+    moving: Annotated[tuple[Name, ...], Field(max_length=64)] = ()
     provisos: tuple[WrittenProviso, ...] = ()
     mbar: tuple[Annotated[Hex, Field(gt=0.0)], ...]
     # The first bad one is enough: a message for each of many costs more than the file.
@@ -189,6 +195,10 @@ class Header(Part):
         n = len(self.joints)
         if len(set(self.joints)) != n:
             raise ValueError("two of the joints have one name")
+        if self.moving and not (set(self.joints) < set(self.moving) and len(set(self.moving)) == len(self.moving)):
+            raise ValueError("the joints that move are not each once those with a coordinate and more")
+        if not self.moving and any(statement.weights for statement in self.statements):
+            raise ValueError("weights of joints where none follows another")
         rows = [self.mbar, *(row for seen in self.seen for row in (seen.q, seen.armature))]
         for case in self.cases:
             rows += [case.lower, case.upper, case.armature_lower, case.armature_upper, *case.sample_q]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from flint import arb, arb_mat, ctx
 
 from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.condition.checker.balls.ball_geometry import about, column, normalised, rotation, still, symmetric
+from asmc_pin.condition.checker.reading.following import Following, following
 from asmc_pin.condition.checker.reading.header_parts import Load
 from asmc_pin.condition.checker.reading.urdf_text import Description, Unreadable, WrittenJoint
 from asmc_pin.words.text import printable
@@ -25,6 +26,10 @@ class Chain:
         axis: Unit axis in the joint's frame, shape (n, 3).
         slides: Prismatic, shape (n,).
         inertia: Spatial inertia of all that moves with the joint, shape (n, 6, 6).
+        coordinate: Of an arm with joints that follow others, the coordinate of each, shape (n,); else empty.
+        ratio: By how much each follows it, shape (n,).
+        offset: And from where, shape (n,), rad (m).
+        leader: The joint of each coordinate, shape (nv,).
     """
 
     parent: IntArray
@@ -32,6 +37,41 @@ class Chain:
     axis: Array
     slides: BoolArray
     inertia: Array
+    coordinate: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    ratio: Array = field(default_factory=lambda: np.empty(0))
+    offset: Array = field(default_factory=lambda: np.empty(0))
+    leader: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+
+    @property
+    def follows(self) -> bool:
+        """Whether joints follow others, so that the arm has fewer coordinates than joints."""
+        return self.coordinate.size > 0
+
+    @property
+    def spread(self) -> Array:
+        """S with q̇_joints = S q̇, shape (n, nv)."""
+        if not self.follows:
+            return np.eye(self.parent.size)
+        out = np.zeros((self.parent.size, self.leader.size))
+        out[np.arange(self.parent.size), self.coordinate] = self.ratio
+        return out
+
+    @property
+    def matters(self) -> BoolArray:
+        """The coordinates that M depends on: not those that only move all of a branch, shape (nv,)."""
+        carried = self.parent >= 0
+        if not self.follows:
+            return np.asarray(carried)
+        return np.bincount(self.coordinate, carried, self.leader.size) > 0.0
+
+    def joints(self, q: Array) -> Array:
+        """Values of the joints at coordinates q, (..., nv); shape (..., n)."""
+        return np.asarray(q[..., self.coordinate] * self.ratio + self.offset) if self.follows else q
+
+    def arm_mass(self, q: Array) -> Array:
+        """M of the arm at coordinates q, (..., nv), without armature; shape (..., nv, nv)."""
+        S = self.spread
+        return np.asarray(S.T @ self.mass_matrix(self.joints(q), np.zeros(self.parent.size)) @ S)
 
     @property
     def subspace(self) -> Array:
@@ -84,7 +124,13 @@ def cross(v: Array) -> Array:
     return out - np.swapaxes(out, -1, -2)
 
 
-def chain_of(robot: Description, joints: Sequence[str], locked: Mapping[str, float], payload: Load | None) -> Chain:
+def chain_of(
+    robot: Description,
+    joints: Sequence[str],
+    locked: Mapping[str, float],
+    payload: Load | None,
+    moving: Sequence[str] = (),
+) -> Chain:
     """The chain of a robot's moving joints: each of its numbers is the nearest float to what the decimals say.
 
     Poses that cancel, or a centre of mass far from its joint, would cost digits in floating point that no allowance for
@@ -92,9 +138,10 @@ def chain_of(robot: Description, joints: Sequence[str], locked: Mapping[str, flo
 
     Args:
         robot: The robot.
-        joints: Names of the moving joints, in the order of the certificate, base first.
+        joints: Names of the joints with a coordinate, in the order of the certificate, base first.
         locked: Joints held rigid, and where, rad (m where prismatic).
         payload: What is fastened to a link of it.
+        moving: Names of all joints that move, base first, where some follow others.
 
     Returns:
         The chain.
@@ -103,7 +150,7 @@ def chain_of(robot: Description, joints: Sequence[str], locked: Mapping[str, flo
         Unreadable: The robot does not have these joints, or others that move.
     """
     with ctx.workprec(_BITS):
-        return _Reader(robot, joints, locked, payload).chain()
+        return _Reader(robot, following(robot, joints, moving), locked, payload).chain()
 
 
 _BITS = 256
@@ -117,13 +164,14 @@ class _Reader:
     """Walks a robot from its root, carrying poses in balls."""
 
     def __init__(
-        self, robot: Description, joints: Sequence[str], locked: Mapping[str, float], payload: Load | None
+        self, robot: Description, follow: Following, locked: Mapping[str, float], payload: Load | None
     ) -> None:
         if payload is not None and payload.link not in robot.bodies:
             raise Unreadable(f"the payload is on link '{printable(payload.link)}', which the URDF does not have")
         self._robot, self._locked, self._payload = robot, locked, payload
-        self._index = {name: i for i, name in enumerate(joints)}
-        n = len(joints)
+        self._follow = follow
+        self._index = {name: i for i, name in enumerate(follow.moving)}
+        n = len(follow.moving)
         self._parent = np.full(n, -2, dtype=np.int64)
         self._slides = np.zeros(n, dtype=np.bool_)
         self._place, self._axis = np.zeros((n, 4, 4)), np.zeros((n, 3))
@@ -146,7 +194,12 @@ class _Reader:
             if not _of_a_body(self._inertia[i]):
                 raise Unreadable(f"what joint '{printable(name)}' of the URDF moves has an inertia that no body has")
         inertia = np.array([_floats(matrix) for matrix in self._inertia])
-        return Chain(self._parent, self._place, self._axis, self._slides, inertia)
+        follow = self._follow
+        if not follow.follows:
+            return Chain(self._parent, self._place, self._axis, self._slides, inertia)
+        ratio, offset = (_floats(arb_mat(len(each), 1, list(each)))[:, 0] for each in (follow.ratio, follow.offset))
+        coordinate, leader = (np.array(each, dtype=np.int64) for each in (follow.coordinate, follow.leader))
+        return Chain(self._parent, self._place, self._axis, self._slides, inertia, coordinate, ratio, offset, leader)
 
     def _beyond(self, joint: WrittenJoint, body: int, turn: arb_mat, place: arb_mat) -> tuple[int, arb_mat, arb_mat]:
         """The body that a joint's child moves with, and the child's pose in that body's frame."""
@@ -156,8 +209,6 @@ class _Reader:
             return body, turned, at
         along, slides = normalised(joint.axis), joint.kind == "prismatic"
         if joint.name in self._index:
-            if joint.mimics:
-                raise Unreadable(f"joint '{joint.name}' of the URDF follows another joint")
             i = self._index[joint.name]
             self._parent[i], self._slides[i] = body, slides
             self._axis[i] = _floats(along)[:, 0]

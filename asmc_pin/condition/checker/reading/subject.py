@@ -6,7 +6,10 @@ import hashlib
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from asmc_pin.condition.checker.reading.certificate_schema import Contents
+from asmc_pin.condition.checker.reading.following import following
 from asmc_pin.condition.checker.reading.header_parts import Header, Load, Malformed, WrittenCase
 from asmc_pin.condition.checker.reading.link_chain import Chain
 from asmc_pin.condition.checker.reading.urdf_text import Description
@@ -64,7 +67,7 @@ def subject(told: Header, urdf: str, robot: Description, chain: Chain) -> Subjec
         arm=robot.name,
         sha256=hashlib.sha256(urdf.encode()).hexdigest(),
         joints=told.joints,
-        slides=tuple(bool(slides) for slides in chain.slides),
+        slides=tuple(bool(slides) for slides in (chain.slides[chain.leader] if chain.follows else chain.slides)),
         armature=tuple(a if a == b else (a, b) for a, b in zip(low, high, strict=True)),
         payload=_carried(loads),
         locked=locked,
@@ -73,12 +76,22 @@ def subject(told: Header, urdf: str, robot: Description, chain: Chain) -> Subjec
         where="box" if len(boxes) == 1 else "boxes",
         parts=len(boxes),
         boxes=tuple(boxes) if len(boxes) > 1 else (),
+        mimics=following(robot, told.joints, told.moving).mimics(),
+        elsewhere=_elsewhere(told.joints, chain),
         provisos=tuple(Proviso(p.kind, f"as the certificate's maker says: {p.text}") for p in told.provisos),
     )
     hypotheses = Premises(**premises)
     if isinstance(told, Contents):
         hypotheses = Hypotheses(**premises, condition=told.condition, level=told.level, mbar=told.mbar)
     return Subject(hypotheses, tuple(_label(case, locked, loads, boxes) for case in cases))
+
+
+def _elsewhere(joints: tuple[str, ...], chain: Chain) -> tuple[str, ...]:
+    """The joints after a whole turn of which what follows them is elsewhere."""
+    if not chain.follows:
+        return ()
+    back = ~chain.slides & (chain.ratio == np.round(chain.ratio))
+    return tuple(name for c, name in enumerate(joints) if not back[chain.coordinate == c].all())
 
 
 def _locked(cases: tuple[WrittenCase, ...]) -> tuple[dict[str, float | tuple[float, ...]], bool]:

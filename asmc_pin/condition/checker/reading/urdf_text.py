@@ -49,6 +49,15 @@ class WrittenBody:
 
 
 @dataclass(frozen=True)
+class WrittenMimic:
+    """``<mimic>``: value = multiplier · the other's + offset."""
+
+    joint: str
+    multiplier: str
+    offset: str
+
+
+@dataclass(frozen=True)
 class WrittenJoint:
     """A joint of the text, the fixed ones included."""
 
@@ -58,7 +67,7 @@ class WrittenJoint:
     child: str
     pose: Pose
     axis: Decimals
-    mimics: bool
+    mimic: WrittenMimic | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +166,18 @@ def _joint(element: ET.Element) -> WrittenJoint:
     along = ("1", "0", "0") if axis is None else _decimals(axis.get("xyz"), 3)
     if kind != "fixed" and all(float(x) == 0.0 for x in along):
         raise Unreadable(f"joint '{name}' of the URDF has no axis")
-    return WrittenJoint(name, kind, parent, child, _pose(element), along, element.find("mimic") is not None)
+    return WrittenJoint(name, kind, parent, child, _pose(element), along, _mimic(element, name))
+
+
+def _mimic(element: ET.Element, name: str) -> WrittenMimic | None:
+    mimic = _only(element, "mimic", {"joint", "multiplier", "offset"})
+    if mimic is None:
+        return None
+    master = mimic.get("joint", "")
+    if not master:
+        raise Unreadable(f"joint '{name}' of the URDF follows a joint without a name")
+    (multiplier,), (offset,) = _decimals(mimic.get("multiplier", "1"), 1), _decimals(mimic.get("offset", "0"), 1)
+    return WrittenMimic(master, multiplier, offset)
 
 
 def _body(link: ET.Element) -> WrittenBody | None:
