@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,9 @@ from asmc_pin.metrics import METRICS
 
 BLOCK = 32
 """Trials of a block: enough for a batch to be cheap, few enough for both cores to be busy to the end."""
+
+TOGETHER = 32
+"""Trials of a block that are run at once: what a worker holds in memory does not grow with the block."""
 
 MOST_TRIALS = 1_000_000_000
 VARIED = "sweep."
@@ -53,6 +56,10 @@ class SweepPlan:
                 raise ParameterError(name, f"{value!r} given; expected a whole number, at least 1")
         if self.trials > MOST_TRIALS:
             raise ParameterError("trials", f"{self.trials} in all; at most {MOST_TRIALS} are numbered")
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What travels: the tables, and nothing that was built of them here."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @cached_property
     def experiment(self) -> Experiment:
