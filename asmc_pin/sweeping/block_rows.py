@@ -16,7 +16,7 @@ from asmc_pin.experiment.variation.axes import as_column
 from asmc_pin.metrics import METRICS
 from asmc_pin.sweeping.failure_scan import ScanEnd, scan_ends
 from asmc_pin.sweeping.lockstep import TrialTables
-from asmc_pin.sweeping.sweep_plan import FAILS_AT, PASSED, SCANNED, TOGETHER, VARIED, SweepPlan
+from asmc_pin.sweeping.sweep_plan import FAILS_AT, PASSED, SCANNED, TOGETHER, TOOL, VARIED, SweepPlan
 from asmc_pin.sweeping.trial_runs import Outcome, TrialRuns
 
 
@@ -105,6 +105,8 @@ def _add(
         columns[f"{VARIED}{axis.path}"] += as_column(axis, drawn[axis.path], joints)
     for name in METRICS:
         columns[name] += np.asarray(outcome.figures[name]).tolist()
+    for name in TOOL if plan.experiment.metrics.tool is not None else ():
+        columns[name] += [outcome.tool.get(name, math.nan)] * joints
 
 
 def as_parquet(table: pa.Table) -> bytes:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import logging
 import time
+import uuid
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any
@@ -90,9 +91,10 @@ def _results(
     under_way: dict[str, tuple[range, int]] = {}
     done = distributed.as_completed(loop=client.loop)
     room, looked = 0, -PATIENCE
+    name = uuid.uuid4().hex  # another sweep, or this one started again, may be with the same scheduler
 
     def hand_over(block: range, losses: int) -> None:
-        future = client.submit(_run_block, plan, block, pure=False, key=f"block-{block[0]}-{losses}-{plan.key[:16]}")
+        future = client.submit(_run_block, plan, block, pure=False, key=f"block-{block[0]}-{losses}-{name}")
         under_way[future.key] = block, losses
         done.add(future)
 

@@ -28,6 +28,9 @@ VARIED = "sweep."
 SCANNED, PASSED, FAILS_AT = "scanned", "passed", "fails_at"
 """Columns of a scan: the key that is scanned, whether its start passed, and the smallest value seen to fail."""
 
+TOOL = ("tool_rms_position", "tool_max_position", "tool_rms_rotation", "tool_max_rotation")
+"""Columns of an experiment with ``metrics.tool``: as `compare` has them, m and rad, the same for all joints."""
+
 KEY = b"asmc_pin.sweep"
 """Where a file of rows says which sweep it belongs to, among Parquet's own metadata."""
 
@@ -92,6 +95,8 @@ class SweepPlan:
         if self.variation.scans:
             columns += [(SCANNED, text), (PASSED, pa.bool_()), (FAILS_AT, number)]
         columns += [(name, number) for name in METRICS]
+        if self.experiment.metrics.tool is not None:
+            columns += [(name, number) for name in TOOL]
         return pa.schema(columns, metadata={KEY: self.key.encode()})
 
 
