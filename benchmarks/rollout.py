@@ -11,9 +11,11 @@ on one thread, in processor time, which other programs disturb less than the clo
 has a Stribeck curve, drives with delay, current loop and speed limits, and encoders with noise, a filter and a delay.
 
 Beside them stand MuJoCo's on the same arm, without friction and law: a Python loop round `mj_step`, and its `rollout`
-in C, open loop. They are left out, and that is said, where MuJoCo is not installed.
+in C, open loop; and Drake's `Simulator` with a `LeafSystem` in Python. They are left out, and that is said, where they
+are not installed.
 
-With ``--scaling``: cost against batch, joints, horizon and threads; the last by the clock, so it wants idle processors.
+With ``--scaling``: cost against batch, horizon and joints, drawn into docs/images/rollout_scaling.png, and what a
+second thread brings; that by the clock, so it wants idle processors.
 """
 
 from __future__ import annotations
@@ -37,6 +39,7 @@ from asmc_pin.plant import Drive, Friction, Sensor
 from asmc_pin.references import Multisine
 
 README = Path(__file__).with_name("README.md")
+FIGURE = README.parent.parent / "docs" / "images" / "rollout_scaling.png"
 GOALS = {
     **{("frictionless", "baek2016", batch): goal for batch, goal in ((1, 1.0), (16, 0.7), (256, 0.65), (1024, 0.65))},
     **{("friction", "baek2016", batch): goal for batch, goal in ((1, 1.2), (16, 0.8), (256, 0.8), (1024, 0.85))},
@@ -162,6 +165,62 @@ def mujoco_rollout(batch: int, repeats: int) -> float:
     return 1e6 * best(run, repeats) / ticks / batch
 
 
+def drake_loop(repeats: int) -> float:
+    """Drake's `Simulator` with a `LeafSystem` in Python that gives the torque at every step: µs per tick.
+
+    The arm is bare, with the armature on its joints, and Drake's discrete plant steps once per period.
+    """
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import MultibodyPlant
+    from pydrake.systems.analysis import Simulator
+    from pydrake.systems.framework import BasicVector, DiagramBuilder, LeafSystem
+
+    arm = load_arm("ur5")
+    builder = DiagramBuilder()
+    plant = builder.AddSystem(MultibodyPlant(time_step=PERIOD))
+    (model,) = Parser(plant).AddModelsFromString(arm.urdf_text, "urdf")
+    if plant.num_joints() == arm.nv:  # the base is free as yet
+        plant.WeldFrames(plant.world_frame(), plant.get_body(plant.GetBodyIndices(model)[0]).body_frame())
+    if plant.num_actuators() == 0:  # else the file has transmissions
+        for name in arm.joint_names:
+            plant.AddJointActuator(name, plant.GetJointByName(name))
+    actuators = [plant.get_joint_actuator(index) for index in plant.GetJointActuatorIndices()]
+    places = [arm.joint_names.index(actuator.joint().name()) for actuator in actuators]
+    for actuator, place in zip(actuators, places, strict=True):
+        actuator.set_default_rotor_inertia(float(ARM.armature[place]))
+        actuator.set_default_gear_ratio(1.0)
+    plant.Finalize()
+    start = REFERENCE.evaluate(np.zeros(1)).q[0]
+    torque = arm.gravity(start)[places]
+
+    class Law(LeafSystem):
+        """A torque, asked for in Python at every step."""
+
+        def __init__(self) -> None:
+            super().__init__()
+            self.DeclareVectorInputPort("state", 2 * arm.nv)
+            self.DeclareVectorOutputPort("torque", BasicVector(arm.nv), self.calculate)
+
+        def calculate(self, context: object, output: BasicVector) -> None:
+            self.get_input_port(0).Eval(context)
+            output.SetFromVector(torque)
+
+    law = builder.AddSystem(Law())
+    builder.Connect(plant.get_state_output_port(), law.get_input_port(0))
+    builder.Connect(law.get_output_port(0), plant.get_actuation_input_port())
+    simulator = Simulator(builder.Build())
+
+    def run() -> None:
+        context = simulator.get_mutable_context()
+        context.SetTime(0.0)
+        plant.SetPositions(plant.GetMyMutableContextFromRoot(context), start)
+        plant.SetVelocities(plant.GetMyMutableContextFromRoot(context), np.zeros(arm.nv))
+        simulator.Initialize()
+        simulator.AdvanceTo(2000 * PERIOD)
+
+    return 1e6 * best(run, repeats) / 2000
+
+
 def chain(joints: int, folder: Path) -> Arm:
     """A chain of equal links that turn about x, y, z and so on."""
     axes = ("1 0 0", "0 1 0", "0 0 1")
@@ -178,38 +237,62 @@ def chain(joints: int, folder: Path) -> Arm:
     return load_arm(path)
 
 
-def scaling(repeats: int) -> None:
-    """Print how the cost grows, µs per trial and tick unless said otherwise."""
-    print("\nbatch:   ", *(f"{b}: {ours('friction', 'baek2016', b, repeats):.2f}" for b in (1, 4, 16, 64, 256, 1024)))
+def scaling(repeats: int) -> dict[str, dict[int, float]]:
+    """How the cost grows, µs per trial and tick: against batch, horizon in ticks, and joints."""
+    found = {"batch": {b: ours("friction", "baek2016", b, repeats) for b in (1, 4, 16, 64, 256, 1024)}}
     world = Plant(ARM, substeps=1, friction=FRICTION)
-    cost = {}
+    found["ticks, batch 1"] = {}
     for ticks in (250, 1000, 4000, 16000):
         span = (ticks - 1) * PERIOD
-        cost[ticks] = 1e6 * best(lambda span=span: rollout(world, LAWS["baek2016"], REFERENCE, span), repeats) / ticks
-    print("horizon in ticks, batch 1:", *(f"{ticks}: {x:.2f}" for ticks, x in cost.items()))
+        seconds = best(lambda span=span: rollout(world, LAWS["baek2016"], REFERENCE, span), repeats)
+        found["ticks, batch 1"][ticks] = 1e6 * seconds / ticks
+    found["joints, batch 16"] = {}
     with tempfile.TemporaryDirectory() as folder:
-        line = []
         for joints in (2, 4, 7, 12, 20, 30):
             arm = chain(joints, Path(folder))
             law = Ppc(mbar=0.01, ks=5.0, beta=5.0, period=PERIOD)
             still = Multisine(offset=np.zeros(joints), amplitude=np.full(joints, 1e-3), frequency=np.ones(joints))
             plant = Plant(arm, substeps=1, friction=Friction(0.1, 0.1))
             seconds = best(lambda p=plant, r=still, law=law: rollout(p, law, r, 0.4, batch=16), repeats)
-            line.append(f"{joints}: {1e6 * seconds / 401 / 16:.2f}")
-    print("joints, batch 16:", *line)
+            found["joints, batch 16"][joints] = 1e6 * seconds / 401 / 16
+    return found
+
+
+def threads_gain(repeats: int) -> float:
+    """How much faster two threads are than one, batch 1024, by the clock."""
     clocked = {}
     for threads in (1, 2):
         world = Plant(ARM, substeps=1, friction=FRICTION, threads=threads)
         clocked[threads] = best(
             lambda w=world: rollout(w, LAWS["baek2016"], REFERENCE, 0.2, batch=1024), repeats, perf_counter
         )
-    print(f"two threads over one, batch 1024, by the clock: {clocked[1] / clocked[2]:.2f} times as fast")
+    return clocked[1] / clocked[2]
+
+
+def drawn(found: dict[str, dict[int, float]], path: Path) -> None:
+    """The scaling as a figure; where joints vary, the line is proportional to the first cost times joints."""
+    import matplotlib.pyplot as plt
+
+    from asmc_pin.pages.figure_style import GREY, PAGE, paper_style
+
+    with paper_style():
+        figure, axes = plt.subplots(1, len(found), figsize=(PAGE, 2.0), layout="constrained")
+        for axis, (name, costs) in zip(axes, found.items(), strict=True):
+            axis.loglog(list(costs), list(costs.values()), "o-", color="#1F77B4", markersize=3)
+            axis.set_xlabel(name)
+            axis.set_ylim(0.1, None)
+            if name.startswith("joints"):
+                first = next(iter(costs))
+                axis.loglog(list(costs), [costs[first] * n / first for n in costs], "--", color=GREY, label="linear")
+                axis.legend()
+        axes[0].set_ylabel("µs per trial and tick")
+        figure.savefig(path, metadata={"Software": None})
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--repeats", type=int, default=7)
-    parser.add_argument("--scaling", action="store_true", help="cost against batch, joints, horizon and threads too")
+    parser.add_argument("--scaling", action="store_true", help="cost against batch, horizon, joints, threads too")
     parser.add_argument("--readme", action="store_true", help="replace the table of benchmarks/README.md")
     options = parser.parse_args()
     repeats = options.repeats
@@ -246,13 +329,26 @@ def main() -> None:
         ]
     except MissingDependencyError as error:
         print(f"MuJoCo left out: {error}")
+    try:
+        loop = drake_loop(repeats)
+        one = loop / bare(1, repeats)
+        print(f"Drake, Simulator with a Python LeafSystem: {loop:.2f} µs per tick, {one:.2f} of bare aba at batch 1")
+        row = f"| {loop:.2f} | {loop / one:.2f} | {one:.2f} |  |"
+        table.append(f"| none | Drake, `Simulator` with a Python `LeafSystem` | 1 {row}")
+    except ImportError as error:
+        print(f"Drake left out, it is not installed: {error}")
     if options.readme:
         pattern = re.compile(r"(<!-- from here: rollout -->\n).*?(<!-- to here: rollout -->)", re.DOTALL)
         text = README.read_text(encoding="utf-8")
         rows_text = "\n".join(table)
         README.write_text(pattern.sub(lambda found: f"{found[1]}{rows_text}\n{found[2]}", text), encoding="utf-8")
     if options.scaling:
-        scaling(repeats)
+        found = scaling(repeats)
+        for name, costs in found.items():
+            print(f"{name}:", *(f"{n}: {cost:.2f}" for n, cost in costs.items()))
+        drawn(found, FIGURE)
+        print(f"drawn: {FIGURE}")
+        print(f"two threads over one, batch 1024, by the clock: {threads_gain(repeats):.2f} times as fast")
 
 
 if __name__ == "__main__":

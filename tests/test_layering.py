@@ -124,6 +124,7 @@ HOME = {
     "optuna": {"study"},
     "mujoco": {"agreement", "arms"},  # arms: its reader of MJCF
     "joblib": {"sweeping"},
+    "distributed": {"sweeping"},
     "typer": {"cli"},
 }
 

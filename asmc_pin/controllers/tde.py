@@ -21,9 +21,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
-from asmc_pin.controllers.one_trial.compiled_law import CompiledLaw, run_step
-from asmc_pin.controllers.one_trial.compiled_tde import plain_step, surface, with_sign
-from asmc_pin.controllers.one_trial.state_rows import as_rows, from_rows
+from asmc_pin.controllers.one_trial.compiled_law import CompiledLaw, check_trials
+from asmc_pin.controllers.one_trial.compiled_tde import shared_control, surface, with_sign
 from asmc_pin.controllers.promises.run_history import Promise
 from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.errors import ParameterError
@@ -32,6 +31,8 @@ from asmc_pin.parameters import Choice, OptionalScalar, PerJoint, Scalar, match_
 
 PAIRINGS = ("matched", "last", "mean")
 """What `TdeLaw.pairing` may be."""
+
+_surface, _with_sign = as_written(surface), as_written(with_sign)
 
 
 def sliding_variable(ks: Array | float, sample: Sample, setpoint: Setpoint) -> Array:
@@ -45,12 +46,12 @@ def sliding_variable(ks: Array | float, sample: Sample, setpoint: Setpoint) -> A
     Returns:
         s, shape (..., nv), rad/s; positive where the joint lags behind a reference that moves up.
     """
-    return np.asarray(as_written(surface)(np.asarray(ks), sample.q, sample.v, setpoint.q, setpoint.v))
+    return np.asarray(_surface(np.asarray(ks), sample.q, sample.v, setpoint.q, setpoint.v))
 
 
 def signed(gain: Array, s: Array) -> Array:
     """The switching term K̂ sgn(s) for K̂ ≥ 0, with sgn(0) = +1 (10) and no smoothing."""
-    return np.asarray(as_written(with_sign)(gain, s))
+    return np.asarray(_with_sign(gain, s))
 
 
 class TdeState(NamedTuple):
@@ -248,9 +249,20 @@ class TdeLaw(CompiledLaw):
         Returns:
             The torque (7), (batch, nv), N·m; the sliding variable s (4), (batch, nv), rad/s; the next state.
         """
-        ticks, memory = as_rows(state, sample.q.shape)
-        torque = run_step(plain_step, ticks, self.law_rows(sample.q.shape[1]), memory, sample, setpoint)
-        return torque, sliding_variable(self.ks, sample, setpoint), from_rows(state, ticks + 1, memory)
+        shape = sample.q.shape
+        law, out = self.law_rows(shape[1]), np.empty((6, *shape))
+        check_trials(law, shape[0])
+        ticks = state.ticks
+        given = (sample.q, sample.v, sample.torque, setpoint.q, setpoint.v, setpoint.a, *state[1:])
+        try:
+            done = shared_control()(ticks, law, *given, out)
+        except TypeError:  # whole numbers, say
+            done = False
+        if not done:
+            given = tuple(np.broadcast_to(np.asarray(x, dtype=np.float64), shape) for x in given)
+            shared_control()(ticks, law, *given, out)
+        torque, s, *after = out
+        return torque, s, TdeState(ticks + 1, *after)
 
     def _check_joints(self, nv: int) -> None:
         if self.nv is not None and self.nv != nv:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,18 +11,19 @@ from numpy.typing import ArrayLike
 from asmc_pin._typing import Array, IntArray
 from asmc_pin.controllers.one_trial.compiled_law import CompiledLaw
 from asmc_pin.controllers.one_trial.state_rows import as_rows, row_of
-from asmc_pin.controllers.protocol import Controller, Sample, Setpoint
-from asmc_pin.controllers.tde import sliding_variable
+from asmc_pin.controllers.protocol import Controller, Setpoint
 from asmc_pin.errors import ParameterError
+from asmc_pin.plant.compiled_run.asked_run import AskedRun
 from asmc_pin.plant.compiled_run.run_state import CompiledRun
 from asmc_pin.plant.plant_state import Motion
 from asmc_pin.plant.run_recorder import CHUNK, MEASURED, TRUTH, Recorder
 
 Progress = Callable[[int, int], None]
 
-# Ticks of all trials together that compiled code runs before it comes back, some tens of milliseconds: for the sake of
-# Ctrl-C and of whoever watches.
-TRIAL_TICKS = 16384
+# Joints times trials times ticks that compiled code runs before it comes back, some tens of milliseconds, for the sake
+# of Ctrl-C and of whoever watches. With a quarter of them a batch of 1,024 took a third longer: a trial's numbers and
+# the ends of its histories had left the cache when it was its turn again.
+JOINT_TICKS = 400_000
 
 
 def follow_compiled(
@@ -46,25 +48,22 @@ def follow_compiled(
     names = _names(motion) + ([] if ks is None else ["s"])
     histories = {name: np.empty((batch, ticks, nv)) for name in dict.fromkeys([*names, MEASURED[2]])}
     gains = np.empty((batch, ticks, nv))
-    run = CompiledRun(motion, wanted, {**histories, "gain": gains})
+    written = {**histories, "gain": gains}
+    run = CompiledRun(motion, wanted, written) if step is not None else AskedRun(motion, wanted, written, ks)
     state = controller.init(run.sample())
     if hasattr(state, "gain"):
         histories["gain"] = gains
-    if step is not None and isinstance(controller, CompiledLaw):
+    if isinstance(run, AskedRun):
+        k = _ask_tick_by_tick(controller, state, run, wanted, progress)
+    elif step is not None and isinstance(controller, CompiledLaw):
         _, memory = as_rows(state, (batch, nv))
         law, gain = controller.law_rows(nv), row_of(state, "gain")
-        chunk = max(1, TRIAL_TICKS // batch)
+        chunk = max(1, JOINT_TICKS // (batch * nv))
         k = 0
         while k < ticks and run.active.any():
             k = run.follow_law(step.address, law, memory, gain, ks, k, min(k + chunk, ticks))
             if progress is not None:
                 progress(k, ticks)
-    else:
-        k = _ask_tick_by_tick(controller, state, run, wanted, histories, progress)
-        if ks is not None:
-            seen = MEASURED[:2] if MEASURED[0] in names else TRUTH[:2]
-            q, v = (histories[name] for name in seen)
-            histories["s"][:] = sliding_variable(ks, Sample(q, v, v), wanted)
     if progress is not None and k < ticks:
         progress(ticks, ticks)
     absent = np.broadcast_to(np.nan, (batch, ticks, nv))
@@ -74,30 +73,21 @@ def follow_compiled(
 
 
 def _ask_tick_by_tick(
-    controller: Controller,
-    state: object,
-    run: CompiledRun,
-    wanted: Setpoint,
-    histories: dict[str, Array],
-    progress: Progress | None,
+    controller: Controller, state: Any, run: AskedRun, wanted: Setpoint, progress: Progress | None
 ) -> int:
     """Ask a law that has its step in numpy at every tick; the tick that comes next."""
     ticks, nv = wanted.q.shape
     batch = len(run.active)
     q_ref, v_ref, a_ref = (np.broadcast_to(x[:, None], (ticks, batch, nv)) for x in (wanted.q, wanted.v, wanted.a))
-    gains = histories.get("gain")
+    logs_gain = hasattr(state, "gain")
     k = 0
-    while k < ticks and run.active.any():
+    while k < ticks and run.running:
         command, state = controller.step(state, run.sample(), Setpoint(q_ref[k], v_ref[k], a_ref[k]))
-        run.follow_command(k, _torque_of(controller, command, batch, nv))
-        if gains is not None:
-            gains[:, k] = state.gain  # type: ignore[attr-defined]
+        run.follow_command(_torque_of(controller, command, batch, nv), state.gain if logs_gain else None)
         k += 1
         if progress is not None and (k % CHUNK == 0 or k == ticks):
             progress(k, ticks)
-    if gains is not None:
-        for trial in np.flatnonzero(run.stopped_at < ticks):
-            gains[trial, run.stopped_at[trial] :] = np.nan
+    run.finish()
     return k
 
 
@@ -151,6 +141,8 @@ def _ks_of(controller: Controller, nv: int) -> Array | None:
 
 
 def _torque_of(controller: Controller, command: ArrayLike, batch: int, nv: int) -> Array:
+    if type(command) is np.ndarray and command.shape == (batch, nv) and command.dtype == np.float64:
+        return command
     try:
         torque = np.ascontiguousarray(command, dtype=np.float64)
     except (TypeError, ValueError):

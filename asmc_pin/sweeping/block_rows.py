@@ -16,7 +16,7 @@ from asmc_pin.experiment.variation.axes import as_column
 from asmc_pin.metrics import METRICS
 from asmc_pin.sweeping.failure_scan import ScanEnd, scan_ends
 from asmc_pin.sweeping.lockstep import TrialTables
-from asmc_pin.sweeping.sweep_plan import FAILS_AT, PASSED, SCANNED, VARIED, SweepPlan
+from asmc_pin.sweeping.sweep_plan import FAILS_AT, PASSED, SCANNED, TOGETHER, TOOL, VARIED, SweepPlan
 from asmc_pin.sweeping.trial_runs import Outcome, TrialRuns
 
 
@@ -37,6 +37,11 @@ class BlockRows:
         Raises:
             ExperimentError: see `TrialRuns`.
         """
+        parts = [self._together(block[first : first + TOGETHER]) for first in range(0, len(block), TOGETHER)]
+        return pa.concat_tables(parts).combine_chunks()
+
+    def _together(self, block: range) -> pa.Table:
+        """The rows of trials that are run at once."""
         plan, variation = self._plan, self._plan.variation
         labels = list(plan.experiment.controllers)
         jobs, quantities = [], []
@@ -100,6 +105,8 @@ def _add(
         columns[f"{VARIED}{axis.path}"] += as_column(axis, drawn[axis.path], joints)
     for name in METRICS:
         columns[name] += np.asarray(outcome.figures[name]).tolist()
+    for name in TOOL if plan.experiment.metrics.tool is not None else ():
+        columns[name] += [outcome.tool.get(name, math.nan)] * joints
 
 
 def as_parquet(table: pa.Table) -> bytes:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -18,12 +18,18 @@ from asmc_pin.metrics import METRICS
 BLOCK = 32
 """Trials of a block: enough for a batch to be cheap, few enough for both cores to be busy to the end."""
 
+TOGETHER = 32
+"""Trials of a block that are run at once: what a worker holds in memory does not grow with the block."""
+
 MOST_TRIALS = 1_000_000_000
 VARIED = "sweep."
 """How the columns begin that say what an axis stands at."""
 
 SCANNED, PASSED, FAILS_AT = "scanned", "passed", "fails_at"
 """Columns of a scan: the key that is scanned, whether its start passed, and the smallest value seen to fail."""
+
+TOOL = ("tool_rms_position", "tool_max_position", "tool_rms_rotation", "tool_max_rotation")
+"""Columns of an experiment with ``metrics.tool``: as `compare` has them, m and rad, the same for all joints."""
 
 KEY = b"asmc_pin.sweep"
 """Where a file of rows says which sweep it belongs to, among Parquet's own metadata."""
@@ -53,6 +59,10 @@ class SweepPlan:
                 raise ParameterError(name, f"{value!r} given; expected a whole number, at least 1")
         if self.trials > MOST_TRIALS:
             raise ParameterError("trials", f"{self.trials} in all; at most {MOST_TRIALS} are numbered")
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What travels: the tables, and nothing that was built of them here."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @cached_property
     def experiment(self) -> Experiment:
@@ -85,6 +95,8 @@ class SweepPlan:
         if self.variation.scans:
             columns += [(SCANNED, text), (PASSED, pa.bool_()), (FAILS_AT, number)]
         columns += [(name, number) for name in METRICS]
+        if self.experiment.metrics.tool is not None:
+            columns += [(name, number) for name in TOOL]
         return pa.schema(columns, metadata={KEY: self.key.encode()})
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from asmc_pin.pages.sweeps.sweep_findings import SweepFindings
 from asmc_pin.pages.sweeps.sweep_page import sweep_title
-from asmc_pin.pages.sweeps.sweep_tables import distribution_table, failure_lines, scan_table, verdict_lines
+from asmc_pin.pages.sweeps.sweep_tables import distribution_table, failure_lines, scan_lines, verdict_lines
 from asmc_pin.words.shown import Cells, Shown
 
 
@@ -28,11 +28,8 @@ class Sweep(Shown):
 
     def lines(self) -> list[str]:
         """What was swept, who is better, who failed, and where."""
-        scans = []
-        for path in self.findings.fails_at:
-            table = scan_table(self.findings, path)
-            scans += [f"{table.title}: {row[0]} first at {row[1]}" for row in table.rows]
-        return [sweep_title(self.findings), *verdict_lines(self.findings), *failure_lines(self.findings), *scans]
+        found = self.findings
+        return [sweep_title(found), *verdict_lines(found), *failure_lines(found), *scan_lines(found)]
 
     def table(self) -> Cells:
         """Median and quantiles of every controller over all trials."""

@@ -11,6 +11,7 @@ from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import ParameterError, ResultError
 from asmc_pin.experiment import Experiment
 from asmc_pin.results import result_folder
+from asmc_pin.sweeping.dask_workers import cluster_results
 from asmc_pin.sweeping.row_files import missing_blocks, shards_there, write_shard
 from asmc_pin.sweeping.sweep_files import write_findings
 from asmc_pin.sweeping.sweep_key import sweep_key
@@ -28,6 +29,7 @@ def sweep(
     out: str | Path | None = None,
     *,
     workers: int | None = None,
+    dask: str | None = None,
     block: int | None = None,
     force: bool = False,
     progress: Progress | None = None,
@@ -42,6 +44,7 @@ def sweep(
         trials: Draws at each point of the grids and for each scan.
         out: Folder of the result; ``results/NAME-sweep`` when omitted.
         workers: Processes; as many as there are processors when omitted.
+        dask: Address of a Dask scheduler, such as ``tcp://10.0.0.1:8786``, whose workers run the blocks instead.
         block: Trials that are run and written together; some dozens when omitted.
         force: Whether rows of another experiment, version or number of trials that lie there may be replaced.
         progress: Called now and then.
@@ -49,8 +52,11 @@ def sweep(
     Raises:
         ResultError: something is there that may not be replaced, or cannot be written.
         ExperimentError: a value that was drawn fits no experiment, or a law of one's own raised an exception.
-        ParameterError: an argument is out of range.
+        ParameterError: an argument is out of range, or no cluster answers.
+        MissingDependencyError: Dask is asked for and not installed.
     """
+    if workers is not None and dask is not None:
+        raise ParameterError("workers", "processes of this machine and a Dask cluster given; expected one of them")
     if workers is not None and (isinstance(workers, bool) or int(workers) != workers or workers < 1):
         raise ParameterError("workers", f"{workers!r} given; expected a whole number of processes, at least 1")
     folder = Path(out) if out is not None else Path("results") / f"{experiment.name}-sweep"
@@ -63,7 +69,8 @@ def sweep(
     left = sum(map(len, todo))
     started, began, done = datetime.now(UTC), time.monotonic(), 0
     tell(_how_far(plan, left, 0, 0.0), 1.0 - left / plan.trials)
-    for finished, content in block_results(plan, todo, workers or cores()):
+    results = block_results(plan, todo, workers or cores()) if dask is None else cluster_results(plan, todo, dask)
+    for finished, content in results:
         write_shard(folder, finished, content)
         done += len(finished)
         tell(_how_far(plan, left, done, time.monotonic() - began), 1.0 - (left - done) / plan.trials)

@@ -15,12 +15,10 @@ from contextlib import contextmanager
 
 import joblib
 
-from asmc_pin.errors import AsmcPinError, ExperimentError
+from asmc_pin.errors import ExperimentError
 from asmc_pin.sweeping.block_rows import BlockRows
 from asmc_pin.sweeping.sweep_plan import SweepPlan
-
-_here: dict[str, BlockRows] = {}
-"""What this process has built for the sweep that it works at, by key."""
+from asmc_pin.sweeping.worker_block import run_block
 
 _watching = False
 
@@ -78,15 +76,9 @@ def block_results(plan: SweepPlan, blocks: Sequence[range], workers: int) -> Ite
 
 
 def _run_block(plan: SweepPlan, block: range, parent: int) -> tuple[range, bytes, str | None]:
-    """In a worker: the rows of a block, or what is wrong: our errors do not travel between processes."""
+    """In a worker of this machine: see `run_block`."""
     _end_with(parent)
-    if plan.key not in _here:
-        _here.clear()
-        _here[plan.key] = BlockRows(plan)
-    try:
-        return block, _here[plan.key].parquet(block), None
-    except AsmcPinError as error:
-        return block, b"", str(error)
+    return block, *run_block(plan, block)
 
 
 @contextmanager

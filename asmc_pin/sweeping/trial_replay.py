@@ -15,7 +15,7 @@ from asmc_pin.metrics import METRICS
 from asmc_pin.study import Comparison, compare
 from asmc_pin.sweeping.row_files import ROWS, key_of, shards_there
 from asmc_pin.sweeping.sweep_key import sweep_key
-from asmc_pin.sweeping.sweep_plan import FAILS_AT, SweepPlan, sweep_plan
+from asmc_pin.sweeping.sweep_plan import FAILS_AT, TOOL, SweepPlan, sweep_plan
 
 
 def replay(
@@ -92,7 +92,7 @@ def _failing(plan: SweepPlan, folder: Path, trial: int, scan: tuple[float, float
 def _check_same(made: Comparison, rows: dict[str, list[object]] | None) -> None:
     """Whether the replay has the figures of the sweep; anything else is a fault of ours."""
     first = made.rows[made.rows.trial == 0]
-    for name in METRICS if rows is not None else ():
+    for name in () if rows is None else [each for each in (*METRICS, *TOOL) if each in rows]:
         assert rows is not None
         swept = np.array(rows[name], dtype=np.float64)
         if not np.array_equal(first[name].to_numpy(), swept, equal_nan=True):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections import OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from asmc_pin.experiment.variation.key_paths import MISSING, value_at
 from asmc_pin.metrics import MetricSettings, evaluate
 from asmc_pin.sweeping.lockstep import Lockstep, TrialTables, becomes_a_row, same_friction
 from asmc_pin.sweeping.sweep_plan import SweepPlan
+from asmc_pin.tool_error import tool_error
 
 _KEPT = 64
 """Experiments, with arm and motion built, that a process keeps for the next block."""
@@ -36,6 +37,7 @@ class Outcome:
         status: ``"ok"`` or ``"diverged"``.
         end_time: End of the run, s.
         figures: Metric -> (nv,), SI; NaN where not defined.
+        tool: Column of `TOOL` -> its figure, where the experiment names a tool; NaN for a run that diverged.
     """
 
     arm: str
@@ -46,6 +48,7 @@ class Outcome:
     status: str
     end_time: float
     figures: Mapping[str, Array]
+    tool: Mapping[str, float] = field(default_factory=dict)
 
     def failed(self, until: Mapping[str, float]) -> bool:
         """Whether it diverged, or a joint's figure is beyond its limit; a figure that is not defined is not."""
@@ -130,7 +133,8 @@ def _outcomes(batch: Lockstep, label: str, settings: MetricSettings) -> list[Out
     run = batch.run(label)
     figures = evaluate(run, settings)
     law: Any = batch.laws[label][0]
-    arm = batch.plant.arm
+    arm, tool = batch.plant.arm, batch.base.metrics.tool
+    at_tool = {} if tool is None else tool_error(arm, run, tool).figures()
     return [
         Outcome(
             arm=arm.name,
@@ -141,6 +145,7 @@ def _outcomes(batch: Lockstep, label: str, settings: MetricSettings) -> list[Out
             status=run.status[i],
             end_time=float(run.end_time[i]),
             figures={name: values[i] for name, values in figures.items()},
+            tool={f"tool_{name}": float(values[i]) for name, values in at_tool.items()},
         )
         for i in range(len(batch.jobs))
     ]

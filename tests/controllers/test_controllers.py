@@ -606,3 +606,27 @@ def test_a_parameter_shows_its_unit_where_it_has_one_and_its_default_where_it_ne
 
 
 UNITS = (("ks", "1/s", True), ("share", "", False), ("cutoff", "Hz", False))
+
+
+def test_pole_placement_takes_whatever_arrays_there_are_and_gives_what_the_compiled_step_does() -> None:
+    """Whole numbers, other layouts, set points for all trials at once; and a batch that does not fit is refused."""
+    law = Ppc(**SHARED, acceleration="position", filter_hz=0.3)
+    q, v, torque = np.random.default_rng(3).integers(-5, 5, (3, 4, 2))
+    one, wanted = Setpoint(*np.ones((3, 2))), Setpoint(*np.broadcast_to(1.0, (3, 4, 2)))
+    state = law.init(Sample(*(x.astype(float) for x in (q, v, torque))))
+    for k in range(3):
+        float_sample = Sample(*(k * x.astype(float) for x in (q, v, torque)))
+        expected, after = law.step(state, float_sample, wanted)
+        for told in (
+            Sample(k * q, k * v, k * torque),
+            Sample(*(np.asfortranarray(x) for x in (k * q, k * v, torque * k))),
+        ):
+            for reference in (one, wanted):
+                found, s, following = law.pole_placement(state, told, reference)
+                np.testing.assert_array_equal(found, expected)
+                np.testing.assert_array_equal(s, sliding_variable(law.ks, float_sample, wanted))
+                for mine, known in zip(following, after, strict=True):
+                    np.testing.assert_array_equal(mine, known)
+        state = after
+    with pytest.raises(ValueError, match="shape"):
+        law.pole_placement(state, float_sample, Setpoint(*np.ones((3, 3, 2))))

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from plant_cases import Waving
 
 from asmc_pin.arms import arm_names, load_arm
-from asmc_pin.controllers import Baek2016, Bsmc, Plestan2010, Ppc
+from asmc_pin.controllers import Baek2016, Bsmc, Plestan2010, Ppc, sliding_variable
 from asmc_pin.engine import rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.plant import (
@@ -28,7 +28,7 @@ from asmc_pin.plant import (
 from asmc_pin.plant.compiled_run import held_dynamics
 from asmc_pin.plant.compiled_run.coverage import not_compiled
 from asmc_pin.plant.compiled_run.held_dynamics import TOLERANCE, difference_from_pinocchio
-from asmc_pin.plant.following import TRIAL_TICKS
+from asmc_pin.plant.following import JOINT_TICKS
 from asmc_pin.rigid_body.dynamics import bodies_of
 from asmc_pin.study.stacked_settings import Stacked
 
@@ -178,20 +178,45 @@ def test_a_trial_is_the_same_to_the_last_bit_in_any_batch_chunk_and_thread(ur5, 
     together = run(ur5, law, batch=17, ticks=40, v0=moving, **PLANTS[plant])
     assert_same_bits(together, run(ur5, law, batch=17, ticks=40, v0=moving, threads=2, **PLANTS[plant]))
     assert_same_bits(together, run(ur5, law, batch=2, ticks=40, trials=[3, 11], v0=moving, **PLANTS[plant]), [3, 11])
-    monkeypatch.setattr("asmc_pin.plant.following.TRIAL_TICKS", 17 * 7)
-    assert TRIAL_TICKS > 17 * 40
+    monkeypatch.setattr("asmc_pin.plant.following.JOINT_TICKS", 17 * 7 * 6)
+    assert JOINT_TICKS > 17 * 40 * 6
     assert_same_bits(together, run(ur5, law, batch=17, ticks=40, v0=moving, **PLANTS[plant]))
+
+
+class InNumpy(Ppc):
+    """PPC that is asked tick by tick."""
+
+    def step(self, state, sample, setpoint):
+        torque, s, state = self.pole_placement(state, sample, setpoint)
+        np.testing.assert_array_equal(s, sliding_variable(self.ks, sample, setpoint))
+        return torque, state
 
 
 @pytest.mark.parametrize("plant", ["friction", "drive", "sensor", "disturbances", "payload"])
 def test_a_law_that_has_its_step_in_numpy_runs_as_the_compiled_one(ur5, plant):
-    class InNumpy(Ppc):
-        def step(self, state, sample, setpoint):
-            torque, _, state = self.pole_placement(state, sample, setpoint)
-            return torque, state
-
     one, other = (run(ur5, law(**SHARED), **PLANTS[plant]) for law in (InNumpy, Ppc))
     assert InNumpy.trial_step is None
+    assert_same_bits(one, other)
+
+
+def test_a_law_in_numpy_gives_a_trial_the_same_bits_in_any_batch_and_on_threads(ur5):
+    law, moving = InNumpy(**SHARED), 0.1 * np.ones(6)
+    together = run(ur5, law, batch=17, ticks=40, v0=moving, **PLANTS["sensor"])
+    assert_same_bits(together, run(ur5, law, batch=17, ticks=40, v0=moving, threads=2, **PLANTS["sensor"]))
+    alone = run(ur5, law, batch=2, ticks=40, trials=[3, 11], v0=moving, **PLANTS["sensor"])
+    assert_same_bits(together, alone, [3, 11])
+
+
+def test_a_law_in_numpy_that_diverges_leaves_what_the_compiled_one_leaves(ur5):
+    one, other = (run(ur5, law(**SHARED), friction=FRICTION, speed_bound=0.3) for law in (InNumpy, Ppc))
+    assert one.status == ("diverged", "diverged")
+    np.testing.assert_array_equal(one.end_time, other.end_time)
+    assert_same_bits(one, other)
+
+
+@pytest.mark.parametrize("ticks", [2, 15, 16, 17, 33])
+def test_every_tick_of_a_law_in_numpy_is_written_however_many_there_are(ur5, ticks):
+    one, other = (run(ur5, law(**SHARED), ticks=ticks, friction=FRICTION) for law in (InNumpy, Ppc))
     assert_same_bits(one, other)
 
 

@@ -202,6 +202,17 @@ def test_a_replay_has_the_figures_of_its_rows_and_its_experiment_runs_alone(whol
         replay(tiny(), 6, 12, folder)
 
 
+def test_an_experiment_with_a_tool_has_its_error_in_the_rows_and_a_replay_has_the_same(tmp_path):
+    experiment = tiny(metrics={"tool": "tip"})
+    sweep(experiment, 2, tmp_path / "s", workers=1, block=4)
+    rows = whole_rows(tmp_path / "s")
+    assert (rows.groupby(["trial", "controller"]).tool_rms_position.nunique() == 1).all()
+    assert ((rows.tool_rms_position > 0.0) & (rows.tool_rms_position < rows.tool_max_position)).all()
+    made = replay(experiment, 2, 3, tmp_path / "s")  # it holds the rows against its own figures
+    again = made.rows[made.rows.trial == 0].tool_max_rotation.to_numpy()
+    assert np.array_equal(again, rows[rows.trial == 3].tool_max_rotation.to_numpy())
+
+
 def test_what_a_worker_keeps_does_not_grow_with_the_trials(monkeypatch):
     """Neither arms nor laws nor rows of blocks that are done stay behind."""
     monkeypatch.setattr("asmc_pin.sweeping.trial_runs._KEPT", 4)
@@ -216,3 +227,20 @@ def test_what_a_worker_keeps_does_not_grow_with_the_trials(monkeypatch):
         tracemalloc.stop()
     # An experiment with its arm and motion is some 50 kB: twenty that stayed would be 1 MB.
     assert kept[-1] - kept[9] < 3e5
+
+
+def test_the_memory_of_a_block_does_not_grow_with_its_trials(monkeypatch):
+    """However many trials a block has, the histories of a few are held at once."""
+    monkeypatch.setattr("asmc_pin.sweeping.block_rows.TOGETHER", 4)
+    plan = sweep_plan(tiny(duration=2.0), 200, 32, "key")
+    run, peaks = BlockRows(plan), {}
+    run.parquet(range(4))
+    for trials in (4, 8, 64):
+        tracemalloc.start()
+        try:
+            run.parquet(range(trials))
+            peaks[trials] = tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+    # Histories of four trials of 1,001 ticks are some MB; all 64 at once would be sixteen times as much.
+    assert peaks[64] < 2.0 * peaks[4]

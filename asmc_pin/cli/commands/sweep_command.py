@@ -21,6 +21,16 @@ def sweep(
     workers: Annotated[
         int | None, typer.Option(min=1, metavar="K", help="Processes; one for each processor when omitted.")
     ] = None,
+    dask: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS", help="Run the blocks on this Dask cluster instead, such as tcp://10.0.0.1:8786."
+        ),
+    ] = None,
+    block: Annotated[
+        int | None,
+        typer.Option(min=1, metavar="N", help="Trials that are run and written together; 32 when omitted."),
+    ] = None,
     out: Annotated[
         str | None, typer.Option(metavar="DIR", help="Where to write; results/NAME-sweep when omitted.")
     ] = None,
@@ -69,7 +79,7 @@ def sweep(
             go_on()
             progress(what, share)
 
-        found = run(loaded, trials, out, workers=workers, force=force, progress=tell)
+        found = run(loaded, trials, out, workers=workers, dask=dask, block=block, force=force, progress=tell)
     if report is not None:
         from asmc_pin.pages.sweeps.sweep_page import write_sweep_page
 

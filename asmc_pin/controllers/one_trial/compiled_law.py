@@ -64,6 +64,12 @@ def packed(rows: Sequence[ArrayLike], nv: int) -> Array:
     return out
 
 
+def check_trials(law: Array, batch: int) -> None:
+    """Refuse parameters, (1 or batch, rows, nv), that are for another number of trials."""
+    if len(law) not in (1, batch):
+        raise ParameterError("sample", f"has {batch} trials, but the law's parameters are for {len(law)}; give as many")
+
+
 def run_step(step: TrialStep, ticks: int, law: Array, memory: Array, sample: Sample, setpoint: Setpoint) -> Array:
     """The command of a step, (batch, nv), N·m, for a batch of trials; see `over_trials`.
 
@@ -79,10 +85,7 @@ def run_step(step: TrialStep, ticks: int, law: Array, memory: Array, sample: Sam
     fields = (sample.q, sample.v, sample.torque, setpoint.q, setpoint.v, setpoint.a)
     for copied, field in zip(seen, fields, strict=True):
         copied[:] = field
-    if len(law) not in (1, seen.shape[1]):
-        raise ParameterError(
-            "sample", f"has {seen.shape[1]} trials, but the law's parameters are for {len(law)}; give as many"
-        )
+    check_trials(law, seen.shape[1])
     command = np.empty(seen.shape[1:])
     over_trials(step.address, ticks, law, seen, memory, command)
     return command

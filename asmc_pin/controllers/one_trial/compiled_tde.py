@@ -5,11 +5,17 @@ The letters and equations are those of `asmc_pin.controllers.tde`, which has the
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numba
 import numpy as np
+from numba import types
 
 from asmc_pin._typing import Array, Number
-from asmc_pin.controllers.one_trial.trial_step import Tick, trial_step
-from asmc_pin.numerics.short_loops import short_loops
+from asmc_pin.controllers.one_trial.trial_step import WORK_ROWS, Tick, trial_step
+from asmc_pin.numerics.short_loops import ALLOCATING, short_loops
 
 MBAR, KS, BETA, PERIOD, FILTER_WEIGHT, BY_POSITION, AVERAGES_TORQUE = range(7)
 """Rows of a TDE law's parameters that all of them share; the last two are 1 for yes and 0 for no."""
@@ -83,3 +89,55 @@ def pole_placement(tick: Tick, law: Array, memory: Array, work: Array, command: 
 def plain_step(tick: Tick, law: Array, memory: Array, work: Array, command: Array) -> None:
     """Pole placement with time-delay estimation and nothing else."""
     pole_placement(tick, law, memory, work, command)
+
+
+def _over_trials(
+    ticks: int,
+    law: Array,
+    q: Array,
+    v: Array,
+    torque: Array,
+    q_ref: Array,
+    v_ref: Array,
+    a_ref: Array,
+    position: Array,
+    velocity: Array,
+    acceleration: Array,
+    past: Array,
+    out: Array,
+) -> bool:
+    """See `shared_control`."""
+    batch, nv = q.shape
+    told, memory, work = np.empty((6, nv)), np.empty((OWN_MEMORY, nv)), np.empty((WORK_ROWS, nv))
+    for given in (v, torque, q_ref, v_ref, a_ref, position, velocity, acceleration, past):
+        if given.shape != q.shape:
+            return False
+    for trial in range(batch):
+        for i in range(nv):
+            told[0, i], told[1, i], told[2, i] = q[trial, i], v[trial, i], torque[trial, i]
+            told[3, i], told[4, i], told[5, i] = q_ref[trial, i], v_ref[trial, i], a_ref[trial, i]
+            memory[POSITION, i], memory[VELOCITY, i] = position[trial, i], velocity[trial, i]
+            memory[ACCELERATION, i], memory[TORQUE, i] = acceleration[trial, i], past[trial, i]
+        tick = Tick(ticks, told[0], told[1], told[2], told[3], told[4], told[5])
+        pole_placement(tick, law[trial if len(law) > 1 else 0], memory, work, out[0, trial])
+        for i in range(nv):
+            out[1, trial, i] = work[S, i]
+            for row in range(OWN_MEMORY):
+                out[2 + row, trial, i] = memory[row, i]
+    return True
+
+
+@cache
+def shared_control() -> Callable[..., bool]:
+    """The shared control (7) of a batch in one call, for laws that have their step in numpy; compiled when asked for.
+
+    The function takes the ticks taken; the law's parameters, (1 or batch, rows, nv); the fields of a sample, a set
+    point and a `TdeState`, (batch, nv) each, in whatever layout; and writes the torque, s and the arrays of the next
+    state, (6, batch, nv). It returns whether all shapes were the same, and has written nothing otherwise.
+    """
+    kinds: Any = types
+    given = kinds.Array(kinds.float64, 2, "A", readonly=True)
+    rows = kinds.Array(kinds.float64, 3, "C")
+    signature = kinds.boolean(kinds.int64, rows, *10 * [given], rows)
+    compiled: Callable[..., bool] = numba.njit(signature, **ALLOCATING)(_over_trials)
+    return compiled

@@ -28,6 +28,7 @@ HOW_SCANNED = (
     "One key at a time from the start of its scan up a ladder of 8 steps to the first failure, then by bisection; all "
     "else as drawn, grids at the file's own value. A failure between two steps that both pass is not seen."
 )
+PASSED_ALL = "no failure up to"
 ALIKE = "nothing in this experiment is random: all draws are the same trial, and there is nothing to be sure of"
 
 
@@ -54,14 +55,31 @@ def scan_table(findings: SweepFindings, path: str) -> Table:
     """How far each controller came along a scan."""
     header = ["controller", "first failure at", "no failure up to the end"]
     rows = []
-    for label in findings.labels:
-        ends = findings.fails_at[path][label]
-        rows.append([label, spread_text(ends), f"{int(np.isinf(ends).sum())} of {ends.size}"])
     axis = next(axis for axis in findings.experiment.variation.scans if axis.path == path)
     low, high = axis.scan or (math.nan, math.nan)
+    for label in findings.labels:
+        ends = findings.fails_at[path][label]
+        rows.append([label, _reach_text(ends, high), f"{int(np.isinf(ends).sum())} of {ends.size}"])
     factor = ", as a factor" if axis.factor else ""
     until = "".join(f", or {name} above {limit:g}" for name, limit in axis.until.items())
     return Table(f"{path} from {low:g} to {high:g}{factor}: fails where it diverges{until}", header, rows)
+
+
+def scan_lines(findings: SweepFindings) -> list[str]:
+    """How far each controller came along each scan, a line for each."""
+    found = []
+    for path in findings.fails_at:
+        table = scan_table(findings, path)
+        for label, reach, _ in table.rows:
+            found.append(f"{table.title}: {label} {reach if reach.startswith(PASSED_ALL) else f'first at {reach}'}")
+    return found
+
+
+def _reach_text(ends: Array, end: float) -> str:
+    """First failures in words: an infinite one lies beyond the scan's end, or nowhere."""
+    if np.isinf(ends).all():
+        return f"{PASSED_ALL} {end:g}"
+    return spread_text(ends).replace(number(math.inf), f"beyond {end:g}")
 
 
 def comparison_table(findings: SweepFindings, point: int | None) -> Table:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.plant.compiled_run.held_dynamics import held_bodies
+from asmc_pin.plant.compiled_run.one_tick import LOG_TICKS, LOGGED, run_commands
 from asmc_pin.plant.compiled_run.run_rows import (
     BACKWARD,
     BREAK_BACKWARD,
@@ -39,7 +40,7 @@ from asmc_pin.plant.compiled_run.run_rows import (
     Setup,
     V,
 )
-from asmc_pin.plant.compiled_run.run_ticks import Histories, Inputs, Trials, run_commands, run_law
+from asmc_pin.plant.compiled_run.run_ticks import Histories, Inputs, Trials, run_law
 from asmc_pin.plant.drive.drive_parameters import FOLDBACK
 from asmc_pin.plant.plant_state import Motion
 from asmc_pin.plant.sensor.compiled_sensor import HISTORY
@@ -50,6 +51,7 @@ TRIALS_PER_THREAD = 8
 
 _NO_ROWS: Array = np.zeros((0, 1))
 _NO_TRIALS: Array = np.zeros((0, 1, 1))
+_NO_NOISE: Array = np.zeros((0, 1, 3, 1))
 
 _FRICTION = {
     FORWARD: "coulomb",
@@ -73,6 +75,7 @@ class CompiledRun:
 
     def __init__(self, motion: Motion, wanted: Setpoint, histories: dict[str, Array]) -> None:
         self._motion, self._wanted = motion, wanted
+        self._pool: ThreadPoolExecutor | None = None
         batch, nv = motion.q.shape
         self._ticks = len(wanted.q)
         self._histories = Histories(*(histories.get(name, _NO_TRIALS) for name in Histories._fields))
@@ -93,8 +96,9 @@ class CompiledRun:
         self._shares = np.zeros(self._setup.substeps) if actuator is None else np.array(actuator.older_share)
         self._groups: list[tuple[Bodies, IntArray]] = []
         self._regroup(0)
-        none = np.zeros((batch, nv))
-        self._each(lambda *group: run_commands(-1, none, *group), self._inputs(-1, 1, ahead=True))
+        self._numbers = np.array(self._setup, dtype=np.float64)
+        self._look(-1, np.zeros((batch, nv)), np.empty((batch, LOG_TICKS, LOGGED, nv)), np.zeros(nv))
+        self._blank_stopped()
 
     @property
     def active(self) -> BoolArray:
@@ -135,33 +139,47 @@ class CompiledRun:
         row = -1 if gain is None else gain
         ks = np.zeros(nv) if ks is None else np.array(np.broadcast_to(ks, (nv,)))
         inputs = self._inputs(begin, end - begin, ahead=False)
-        self._each(lambda *group: run_law(step, begin, end, law, memory, row, ks, *group), inputs)
+        numbers = (step, begin, end, law, memory, row, ks, self._setup)
+        given = (inputs, self._trials, self._histories)
+        self._on_threads(run_law, [(*numbers, *bodies, *given, rows) for bodies, rows in self._jobs()])
         return end
 
-    def follow_command(self, k: int, command: Array) -> None:
-        """Hold a command, (batch, nv) N·m, over the period of tick k, and look at the next tick."""
-        self._regroup(k)
-        self._each(lambda *group: run_commands(k, command, *group), self._inputs(k, 1, ahead=True))
+    def _look(self, k: int, command: Array, log: Array, ks: Array) -> int:
+        """Hold a command over the period of tick k, and look at the next one: `run_commands`; how many trials run."""
+        inputs = self._inputs(k, 1, ahead=True)
+        given = (inputs.q_ref, inputs.v_ref, *inputs[3:], *self._trials, log, ks)
+        jobs = [(k, command, self._numbers, *bodies, *given, rows) for bodies, rows in self._jobs()]
+        return sum(self._on_threads(run_commands, jobs))
 
-    def _each(self, run: Callable[..., None], inputs: Inputs) -> None:
-        """Call `run` for every group of trials, on the plant's threads."""
-        jobs: list[tuple[Any, ...]] = []
+    def _blank_stopped(self) -> None:
+        """Make the histories of a trial that stopped NaN from that tick on."""
+        for trial in np.flatnonzero(self.stopped_at < self._ticks):
+            for history in self._histories:
+                if history.size:
+                    history[trial, self.stopped_at[trial] :] = np.nan
+
+    def _jobs(self) -> list[tuple[Bodies, IntArray]]:
+        """Arms with the trials that have them, cut for the plant's threads."""
+        threads, jobs = self._motion.plant.threads, []
+        if threads == 1:
+            return self._groups
         for bodies, rows in self._groups:
-            count = max(1, min(self._motion.plant.threads, len(rows) // TRIALS_PER_THREAD))
-            parts = np.array_split(rows, count) if count > 1 else [rows]
-            jobs += [(self._setup, *bodies, inputs, self._trials, self._histories, part) for part in parts]
+            count = max(1, min(threads, len(rows) // TRIALS_PER_THREAD))
+            jobs += [(bodies, part) for part in (np.array_split(rows, count) if count > 1 else [rows])]
+        return jobs
+
+    def _on_threads(self, run: Callable[..., Any], jobs: Sequence[tuple[Any, ...]]) -> list[Any]:
+        """What `run` returns for every job, run on the plant's threads."""
         if len(jobs) == 1 or self._motion.plant.threads == 1:
-            for job in jobs:
-                run(*job)
-            return
-        with ThreadPoolExecutor(self._motion.plant.threads) as pool:
-            for done in [pool.submit(run, *job) for job in jobs]:
-                done.result()
+            return [run(*job) for job in jobs]
+        if self._pool is None:
+            self._pool = ThreadPoolExecutor(self._motion.plant.threads)
+        return list(self._pool.map(lambda job: run(*job), jobs))
 
     def _inputs(self, k: int, ticks: int, ahead: bool) -> Inputs:
         """What comes from outside in some ticks from k on; `ahead` if they end with a look at the tick after them."""
         wanted, motion = self._wanted, self._motion
-        noise, loads, own = np.zeros((0, 1, 3, 1)), _NO_ROWS, _NO_TRIALS
+        noise, loads, own = _NO_NOISE, _NO_ROWS, _NO_TRIALS
         if motion.sensing is not None and motion.sensing.noisy:
             looked_at = k == 0 and not ahead  # as the run began
             noise = motion.sensing.noise(ticks - looked_at)

@@ -1,4 +1,4 @@
-"""Ticks of one trial after the other, compiled: with a compiled law through many of them, or one under its commands.
+"""Ticks of one trial after the other, compiled: each runs through many of them under a compiled law.
 
 All that belongs to a trial stands in its own rows, so its result depends neither on the batch, nor on how ticks are cut
 into chunks, nor on the thread that computes it.
@@ -234,74 +234,4 @@ def run_law(
                 setup, parent, body, gravity, inputs,
                 inputs.own_loads[trial] if inputs.own_loads.size else nothing[:0], trials, histories, trial,
                 scratch, room, squares, signs, work, told, nothing, command,
-            )  # fmt: skip
-
-
-@short_loops
-def _follow_command(
-    k: int,
-    command: Array,
-    setup: Setup,
-    parent: IntArray,
-    body: Array,
-    gravity: Array,
-    inputs: Inputs,
-    own_loads: Array,
-    trials: Trials,
-    histories: Histories,
-    trial: int,
-    scratch: Array,
-    room: Array,
-    squares: Array,
-    signs: IntArray,
-    nothing: Array,
-) -> None:
-    """One trial of `run_commands`."""
-    plant, state, seen = trials.plant[trial], trials.state[trial], trials.seen[trial]
-    if k >= 0:
-        if not hold(plant, scratch, command):
-            _stop(histories, trials, trial, k)
-            return
-        q, v = scratch[BEGAN_Q], scratch[BEGAN_V]
-        for i in range(command.size):
-            q[i], v[i] = state[Q, i], state[V, i]
-        advance(
-            setup, parent, body, gravity, inputs.older_share, inputs.loads, own_loads, 0,
-            plant, state, trials.drive[trial], scratch, room, squares, signs,
-        )  # fmt: skip
-        _write(histories, trial, k, q, v, seen, state)
-    if k + 1 < len(inputs.q_ref):
-        if not within(setup, state, inputs.q_ref, k + 1):
-            _stop(histories, trials, trial, k + 1)
-            return
-        noise = inputs.noise[trial, 0] if inputs.noise.size else nothing
-        observe(setup, k < 0, plant, state, trials.sensor[trial], noise, seen)
-
-
-@with_room
-def run_commands(
-    k: int,
-    command: Array,
-    setup: Setup,
-    parent: IntArray,
-    body: Array,
-    gravity: Array,
-    inputs: Inputs,
-    trials: Trials,
-    histories: Histories,
-    rows: IntArray,
-) -> None:
-    """Carry trials over the period of tick k under given commands, (batch, nv), and look at the next tick.
-
-    For k = −1 only tick 0 is looked at. The other arguments are those of `run_law`; the noise is that of the next tick.
-    """
-    nv = command.shape[1]
-    scratch, room, nothing = np.empty((SCRATCH_ROWS, nv)), np.empty((nv, ROOM)), np.zeros((3, nv))
-    squares, signs = np.zeros((SQUARES, nv, nv)), np.empty((2, nv), np.int64)
-    for trial in rows:
-        if trials.active[trial]:
-            _follow_command(
-                k, command[trial], setup, parent, body, gravity, inputs,
-                inputs.own_loads[trial] if inputs.own_loads.size else nothing[:0], trials, histories, trial,
-                scratch, room, squares, signs, nothing,
             )  # fmt: skip
