@@ -94,6 +94,8 @@ if TYPE_CHECKING:
     from asmc_pin.pages.sweeps.sweep_findings import Compared as Compared
     from asmc_pin.pages.sweeps.sweep_findings import SweepFindings as SweepFindings
     from asmc_pin.pages.tables.text_table import Table as Table
+    from asmc_pin.pages.tunings.tune_findings import TunedController as TunedController
+    from asmc_pin.pages.tunings.tune_findings import TuneFindings as TuneFindings
     from asmc_pin.parameters import AsGiven as AsGiven
     from asmc_pin.parameters import OptionalPerJoint as OptionalPerJoint
     from asmc_pin.parameters import PerTrial as PerTrial
@@ -130,6 +132,7 @@ if TYPE_CHECKING:
     from asmc_pin.sampled.gain_choice.gain_search import Margins as Margins
     from asmc_pin.sampled.gain_choice.gains import suggest_gains as suggest_gains
     from asmc_pin.sampled.stability_report import WorstFound as WorstFound
+    from asmc_pin.statistics.paired_ratio import RatioInterval as RatioInterval
     from asmc_pin.statistics.pairwise import PairedComparison as PairedComparison
     from asmc_pin.study import Comparison as Comparison
     from asmc_pin.study import compare as compare
@@ -141,6 +144,8 @@ if TYPE_CHECKING:
     from asmc_pin.sweeping import Sweep as Sweep
     from asmc_pin.sweeping import sweep as sweep
     from asmc_pin.tool_error import ToolError as ToolError
+    from asmc_pin.tuning import Tuned as Tuned
+    from asmc_pin.tuning import tune as tune
     from asmc_pin.words.provisos import Proviso as Proviso
 
 __getattr__, __dir__, __all__ = load_on_first_use(__name__)

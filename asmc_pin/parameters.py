@@ -162,6 +162,7 @@ class ScalarOrWord(Parameter["float | str", "float | str"]):
         super().__init__(meaning, unit, default=default)
         self.words = words
         self._scalar = Scalar(meaning, unit, above=above)
+        self.bound = self._scalar.bound
 
     def convert(self, value: float | str) -> float | str:
         """One of the words, or a finite float within the bound."""
@@ -187,6 +188,7 @@ class OptionalScalar(Parameter["float | None", "float | None"]):
     ) -> None:
         super().__init__(meaning, unit, default=default)
         self._scalar = Scalar(meaning, unit, above=above)
+        self.bound = self._scalar.bound
 
     def convert(self, value: float | None) -> float | None:
         """None, or a finite float within the bound."""

@@ -22,7 +22,9 @@ from asmc_pin.controllers import CONTROLLERS, TdeLaw
 from asmc_pin.controllers.law_card import law_card
 from asmc_pin.experiment.constructors import Signature
 from asmc_pin.experiment.plant_parts import LISTS, TABLES
-from asmc_pin.experiment.toml_keys import ArmTable, EnsembleTable, ExperimentTables, MetricsTable, PlantTable, TomlTable
+from asmc_pin.experiment.toml_keys import ArmTable, EnsembleTable, ExperimentTables, MetricsTable, PlantTable
+from asmc_pin.experiment.toml_values import TomlTable
+from asmc_pin.experiment.tune_table import LimitsTable, TuneTable
 from asmc_pin.metrics import METRICS
 from asmc_pin.monitors import STATEMENTS
 from asmc_pin.pages.comparison_figures import FIGURES
@@ -152,6 +154,13 @@ def metric_definitions() -> str:
 part("metric-settings")(lambda: fields(MetricsTable))
 
 
+@part("tune-keys")
+def tune_keys() -> str:
+    """docs/tuning.md: the keys of ``[tune]``."""
+    rows = _field_rows(TuneTable, "tune.", skip=("limits",)) + _field_rows(LimitsTable, "tune.limits.")
+    return table(["key", "value", "default"], rows)
+
+
 @part("shared-parameters")
 def shared_parameters() -> str:
     """docs/controllers.md: what every TDE law takes."""
@@ -262,7 +271,7 @@ def _field_rows(model: type[TomlTable], path: str, skip: Iterable[str] = ()) -> 
 def experiment_keys() -> str:
     """Every key whose name does not depend on a law or a kind."""
     rows = _field_rows(
-        ExperimentTables, "", skip=("plant", "ensemble", "metrics", "reference", "defaults", "controllers")
+        ExperimentTables, "", skip=("plant", "ensemble", "metrics", "tune", "reference", "defaults", "controllers")
     )
     rows += _field_rows(ArmTable, "arm.") + _field_rows(PlantTable, "plant.")
     rows += _field_rows(EnsembleTable, "ensemble.") + _field_rows(MetricsTable, "metrics.")

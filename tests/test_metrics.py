@@ -187,6 +187,20 @@ def test_a_slow_ramp_has_hardly_any_power_above_the_cutoff():
 
 def test_no_share_is_claimed_above_what_the_sampling_can_show():
     assert np.isnan(figure("torque_high_frequency_share", run(period=0.02), cutoff_hz=25.0))
+    assert np.isnan(figure("torque_noise", run(period=0.02), cutoff_hz=25.0))
+
+
+def test_torque_noise_is_the_rms_of_what_lies_above_the_cutoff():
+    t = np.arange(1001) * L
+    slow, fast = 7.0 + 2.0 * np.sin(2 * np.pi * 10 * t), 0.3 * np.sin(2 * np.pi * 200 * t)
+    assert figure("torque_noise", run(torque=slow + fast), cutoff_hz=50.0) == pytest.approx(0.3 / np.sqrt(2), rel=1e-6)
+    assert figure("torque_noise", run(torque=slow), cutoff_hz=50.0) < 1e-6
+
+
+def test_of_white_torque_noise_the_share_of_the_band_above_the_cutoff_counts():
+    white = 0.5 * np.random.default_rng(1).standard_normal((64, 1001, 1))
+    found = METRICS["torque_noise"](run(batch=64, torque=white), MetricSettings(cutoff_hz=100.0))
+    assert np.sqrt(np.mean(found**2)) == pytest.approx(0.5 * np.sqrt(0.8), rel=0.02)
 
 
 def test_sign_changes_are_counted_with_zero_as_positive():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import functools
 import inspect
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
@@ -51,12 +52,7 @@ class Signature:
     """
 
     def __init__(self, cls: type) -> None:
-        parameters: list[inspect.Parameter] = []
-        self.open = True
-        with suppress(TypeError, ValueError):  # some classes of compiled modules have no signature
-            parameters = list(inspect.signature(cls).parameters.values())
-            self.open = any(item.kind is item.VAR_KEYWORD for item in parameters)
-        keywords = [item for item in parameters if item.kind in (item.POSITIONAL_OR_KEYWORD, item.KEYWORD_ONLY)]
+        keywords, self.open = _keywords(cls)
         self.described: dict[str, Parameter[Any, Any]] = parameters_of(cls)
         self.names = tuple(item.name for item in keywords)
         self.required = tuple(item.name for item in keywords if self._required(item))
@@ -93,6 +89,18 @@ class Signature:
             schema = {}
         unit = f", {item.unit}" if item.unit else ""
         return {**schema, "description": f"{item.meaning}{unit}"}
+
+
+@functools.cache  # sweeps ask again and again, and reading a constructor takes a tenth of a millisecond
+def _keywords(cls: type) -> tuple[tuple[inspect.Parameter, ...], bool]:
+    """The keyword parameters of a constructor, and whether it takes any other as well."""
+    parameters: list[inspect.Parameter] = []
+    takes_any = True
+    with suppress(TypeError, ValueError):  # some classes of compiled modules have no signature
+        parameters = list(inspect.signature(cls).parameters.values())
+        takes_any = any(item.kind is item.VAR_KEYWORD for item in parameters)
+    kinds = inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY
+    return tuple(item for item in parameters if item.kind in kinds), takes_any
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

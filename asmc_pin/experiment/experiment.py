@@ -23,6 +23,7 @@ from asmc_pin.experiment.law_lookup import is_own
 from asmc_pin.experiment.plant_parts import LISTS, TABLES, plant_parts
 from asmc_pin.experiment.toml_keys import ExperimentTables
 from asmc_pin.experiment.toml_text import parse_toml, write_toml
+from asmc_pin.experiment.tune_checks import tune_problems
 from asmc_pin.experiment.variation.axes import Variation
 from asmc_pin.experiment.variation.sweep_table import sweep_problems, variation_of
 from asmc_pin.metrics import MetricSettings
@@ -96,6 +97,7 @@ class Experiment(Shown, ExperimentTables):
         problems += plant_parts(content.get("plant"))[1]
         problems += experiment_checks.delay_problems(content)
         problems += experiment_checks.controller_problems(content, folder, import_laws)[1]
+        problems += tune_problems(content, folder, import_laws)
         return tables, problems
 
     @property

@@ -16,6 +16,9 @@ from asmc_pin.words.text import printable
 if TYPE_CHECKING:
     from asmc_pin.experiment.experiment import Experiment
 
+TUNED = "tuned.toml"
+"""In the folder of a tuning: the experiment with the best gains."""
+
 
 def experiment_names() -> list[str]:
     """Names of the experiments that the package ships."""
@@ -71,7 +74,7 @@ def find_experiment(source: str | Path) -> Path:
 def _folder(path: Path) -> Path:
     folder = path.resolve().parent
     provenance = folder / "provenance.json"
-    if path.name == "experiment.toml" and provenance.is_file():
+    if path.name in ("experiment.toml", TUNED) and provenance.is_file():
         try:
             text = read_file(provenance, LARGEST, "a provenance", lambda message: ExperimentError("", message))
             origin = folder / json.loads(text)["experiment"]["folder"]

@@ -30,7 +30,7 @@ def experiment_schema() -> dict[str, Any]:
     mass = {"type": "number", "minimum": 0}
     short = {"anyOf": [mass, {"type": "string", "pattern": "^[^@]+@.+$"}, _ref("PayloadTable")]}
     arm["properties"]["payload"] = _described(arm["properties"]["payload"], short)
-    for table in (arm, payload, *(schema["$defs"][name] for name in ("PlantTable", "MetricsTable"))):
+    for table in (arm, payload, *(schema["$defs"][name] for name in ("PlantTable", "MetricsTable", "LimitsTable"))):
         for item in table["properties"].values():
             _drop_null(item)
     _plant(schema["$defs"]["PlantTable"]["properties"])

@@ -7,21 +7,20 @@ a new parameter of a law or of a reference needs no second list here. A new key 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    ValidationInfo,
-    WithJsonSchema,
-    field_validator,
-)
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema, field_validator
 
 from asmc_pin.errors import ParameterError
+from asmc_pin.experiment.toml_values import (
+    NUMBERS_SCHEMA,
+    LimitPerJoint,
+    PerJoint,
+    PositivePerJoint,
+    TomlTable,
+    is_number,
+)
+from asmc_pin.experiment.tune_table import TuneTable
 from asmc_pin.words.units import LONGEST_PERIOD, check_period
 
 MOST_CONTROLLERS = 100
@@ -32,46 +31,6 @@ MOST_TICKS = 10_000_000
 """Longest run in control ticks: almost three hours at 1 ms, some gigabytes of trajectories for each controller."""
 
 _LONGEST_LABEL = 200
-_NUMBERS_SCHEMA = {
-    "anyOf": [{"type": "number"}, {"type": "array", "items": {"type": "number"}, "minItems": 1}],
-}
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
-def _per_joint(what: str, allowed: Callable[[float], bool]) -> BeforeValidator:
-    """Check of a number for all joints, or one per joint; `allowed` judges each of them."""
-
-    def check(value: Any) -> float | list[float]:
-        many = value if isinstance(value, list) else [value]
-        if not many or not all(_is_number(item) for item in many):
-            raise ValueError(f"must be {what}, or a list with one for each joint, got {value!r}")
-        for item in many:
-            if not allowed(float(item)):
-                raise ValueError(f"must be {what}, or a list with one for each joint, got {item!r}")
-        return [float(item) for item in many] if isinstance(value, list) else float(value)
-
-    return BeforeValidator(check)
-
-
-_SCHEMA = WithJsonSchema(_NUMBERS_SCHEMA)
-_FINITE = _per_joint("a finite number", math.isfinite)
-_POSITIVE = _per_joint("a positive number", lambda x: math.isfinite(x) and x > 0.0)
-# TOML has inf, and a limit of inf says plainly that there is none.
-_LIMIT = _per_joint("a positive number (inf for no limit)", lambda x: x > 0.0)
-_Numbers = float | list[float]
-PerJoint = Annotated[_Numbers, _FINITE, _SCHEMA]
-PositivePerJoint = Annotated[_Numbers, _POSITIVE, _SCHEMA]
-_Infinite = Annotated[float, Field(allow_inf_nan=True)]
-LimitPerJoint = Annotated[_Infinite | list[_Infinite], _LIMIT, _SCHEMA]
-
-
-class TomlTable(BaseModel):
-    """A table of the file: unknown keys are errors, text is not a number, and nothing changes after reading."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
 class PayloadTable(TomlTable):
@@ -100,19 +59,19 @@ def _payload(value: Any) -> Any:
             raise ValueError(f"must be a mass, a text like '2@tool0' or a table, got {value!r} ({error})") from None
         assert load is not None
         return {"mass": load.mass, "link": load.link}
-    return {"mass": value} if _is_number(value) else value
+    return {"mass": value} if is_number(value) else value
 
 
 def _armature(value: Any) -> Any:
     if isinstance(value, dict):
         for joint, item in value.items():
-            if not (_is_number(item) and math.isfinite(item) and item >= 0.0):
+            if not (is_number(item) and math.isfinite(item) and item >= 0.0):
                 raise ValueError(f"of joint {joint!r} must be a number of 0 or more, got {item!r}")
         return {joint: float(item) for joint, item in value.items()}
     if value == "published":
         return value
     many = value if isinstance(value, list) else [value]
-    if not many or not all(_is_number(item) and math.isfinite(item) and item >= 0.0 for item in many):
+    if not many or not all(is_number(item) and math.isfinite(item) and item >= 0.0 for item in many):
         raise ValueError(
             "must be a number of 0 or more, a list with one for each joint, a table joint = value, or "
             f'"published", got {value!r}'
@@ -124,7 +83,7 @@ def _lock(value: Any) -> Any:
     if not isinstance(value, dict):
         raise ValueError(f"must be a table joint = angle, got {value!r}")
     for joint, item in value.items():
-        if item != "free" and not (_is_number(item) and math.isfinite(item)):
+        if item != "free" and not (is_number(item) and math.isfinite(item)):
             raise ValueError(f'of joint {joint!r} must be an angle in rad (m), or "free", got {item!r}')
     return value
 
@@ -132,7 +91,7 @@ def _lock(value: Any) -> Any:
 _LOCK_SCHEMA = {"type": "object", "additionalProperties": {"anyOf": [{"type": "number"}, {"const": "free"}]}}
 _ARMATURE_SCHEMA = {
     "anyOf": [
-        *_NUMBERS_SCHEMA["anyOf"],
+        *NUMBERS_SCHEMA["anyOf"],
         {"type": "object", "additionalProperties": {"type": "number", "minimum": 0}},
         {"const": "published"},
     ],
@@ -316,6 +275,7 @@ class ExperimentTables(TomlTable):
     ensemble: EnsembleTable = Field(default_factory=EnsembleTable, description="how sure a figure is")
     metrics: MetricsTable = Field(default_factory=MetricsTable, description="settings of the metrics")
     reference: dict[str, Any] = Field(description="the motion to follow: kind, and the parameters of that kind")
+    tune: TuneTable = Field(default_factory=TuneTable, description="how `tune` searches gains: see docs/tuning.md")
     sweep: Annotated[dict[str, Any], WithJsonSchema(SWEEP_SCHEMA)] = Field(
         default={}, description="what varies from trial to trial in a sweep, by the path of its key: see docs/sweeps.md"
     )

@@ -61,6 +61,27 @@ def torque_high_frequency_share(rollout: Rollout, settings: MetricSettings) -> A
     return np.asarray(np.where(quiet, 0.0, high / np.where(quiet, 1.0, total)))
 
 
+@metric(
+    "Torque noise",
+    "torque",
+    "√( 2 Σ_{f>f_c} |X(f)|² / (n Σ w²) ), X as above, w the window, n = T−1: RMS of the torque above f_c; not defined "
+    "if f_c ≥ 1/(2L)",
+    "windowed periodogram, scaled by the window's power (Welch 1967, IEEE Trans. Audio Electroacoustics 15(2))",
+    best="smallest",
+)
+def torque_noise(rollout: Rollout, settings: MetricSettings) -> Array:
+    """RMS of the torque above the cut-off frequency f_c: what chatter and the sensors' noise make of it together."""
+    torque = held_torque(rollout)
+    count = torque.shape[1]
+    frequency = np.fft.rfftfreq(count, rollout.period)
+    if settings.cutoff_hz >= 0.5 / rollout.period:
+        return np.full((torque.shape[0], torque.shape[2]), np.nan)
+    window = np.hanning(count + 1)[:-1, None]
+    power = np.abs(np.fft.rfft(window * (torque - np.mean(torque, axis=1, keepdims=True)), axis=1)) ** 2
+    high = np.sum(power[:, frequency > settings.cutoff_hz], axis=1)
+    return np.asarray(np.sqrt(2.0 * high / (count * np.sum(window**2))))
+
+
 @metric("Saturation share", "share", "#{ k < T−1 : |τ_k| ≥ τ_max (1 − 1e-9) } / (T−1)", OURS)
 def saturation_share(rollout: Rollout, settings: MetricSettings) -> Array:
     """Share of the run in which the torque stood at its limit; 0 where there is no limit."""

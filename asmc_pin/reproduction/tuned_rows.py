@@ -17,7 +17,7 @@ from asmc_pin.experiment.toml_text import write_toml
 from asmc_pin.metrics import METRICS
 from asmc_pin.reproduction.printed_tables import PROPOSED
 from asmc_pin.study.law_study import own_parameters
-from asmc_pin.study.tuning import Progress, Tuning, tune
+from asmc_pin.study.tuning import Progress, Tuning, tune_own_gains
 from asmc_pin.study.tuning_objective import Objective
 
 SUFFIX = " tuned"
@@ -41,7 +41,7 @@ def tune_rows(experiment: Experiment, progress: Progress | None = None) -> Tunin
     run = rollout(plain.build_plant(), law, plain.build_reference(), plain.duration)
     limit = tuple(float(f"{x:.4g}") for x in METRICS["torque_variation"](run)[0])
     labels = [label for label in plain.controllers if own_parameters(plain, label)]
-    return tune(plain, labels, objective=Objective(limit), progress=progress)
+    return tune_own_gains(plain, labels, objective=Objective(limit), progress=progress)
 
 
 def write_rows(tuning: Tuning, folder: Path) -> Path:

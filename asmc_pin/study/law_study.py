@@ -113,7 +113,7 @@ class LawStudy:
             self.study.enqueue_trial(self._flat(self.start))
 
     def run(self, trials: int, batch: int, progress: Callable[[float], None]) -> LawTuning:
-        """Run settings until there are `trials` of them (one, if there is nothing to search); see `tune`."""
+        """Run settings until there are `trials` of them (one, if there is nothing to search); see `tune_own_gains`."""
         if not self.start:
             trials = 1
         with _quiet():

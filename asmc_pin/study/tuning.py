@@ -78,7 +78,7 @@ class Tuning:
         }
 
 
-def tune(
+def tune_own_gains(
     experiment: Experiment,
     labels: Sequence[str] | None = None,
     *,

@@ -15,7 +15,7 @@ from asmc_pin.baselines import knows_model, shown_label
 from asmc_pin.errors import AsmcPinError, ExperimentError
 from asmc_pin.experiment import Experiment
 from asmc_pin.experiment.variation.key_paths import MISSING, value_at
-from asmc_pin.metrics import MetricSettings, evaluate
+from asmc_pin.metrics import METRICS, MetricSettings
 from asmc_pin.sweeping.lockstep import Lockstep, TrialTables, becomes_a_row, same_friction
 from asmc_pin.sweeping.sweep_plan import SweepPlan
 from asmc_pin.tool_error import tool_error
@@ -60,10 +60,12 @@ class TrialRuns:
 
     Args:
         plan: The sweep.
+        metrics: What is measured; all metrics when omitted.
     """
 
-    def __init__(self, plan: SweepPlan) -> None:
+    def __init__(self, plan: SweepPlan, metrics: Iterable[str] | None = None) -> None:
         self._plan = plan
+        self._metrics = tuple(METRICS if metrics is None else metrics)
         self._bases: OrderedDict[str, Experiment] = OrderedDict()
         # What makes batches differ: every key that varies and does not become a row.
         self._splitting = [axis.parts for axis in plan.variation.axes if not becomes_a_row(axis.parts)]
@@ -93,7 +95,7 @@ class TrialRuns:
             batch = self._built(name, [jobs[i] for i in members])
             settings = _settings(batch)
             for label in wanted:
-                for i, outcome in zip(members, _outcomes(batch, label, settings), strict=True):
+                for i, outcome in zip(members, _outcomes(batch, label, settings, self._metrics), strict=True):
                     found[i, label] = outcome
         return found
 
@@ -129,9 +131,9 @@ def _settings(batch: Lockstep) -> MetricSettings:
     return replace(settings, effort_limit=limit[:, None, :] if limit.ndim == 2 else limit)
 
 
-def _outcomes(batch: Lockstep, label: str, settings: MetricSettings) -> list[Outcome]:
+def _outcomes(batch: Lockstep, label: str, settings: MetricSettings, metrics: Iterable[str]) -> list[Outcome]:
     run = batch.run(label)
-    figures = evaluate(run, settings)
+    figures = {name: METRICS[name](run, settings) for name in metrics}
     law: Any = batch.laws[label][0]
     arm, tool = batch.plant.arm, batch.base.metrics.tool
     at_tool = {} if tool is None else tool_error(arm, run, tool).figures()

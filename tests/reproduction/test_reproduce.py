@@ -25,7 +25,7 @@ from asmc_pin.reproduction.reproduction_page import medians, page
 from asmc_pin.reproduction.tuned_rows import SUFFIX, untuned
 from asmc_pin.results.result_folder import recorded_run, trajectories
 from asmc_pin.study.ensemble import starts
-from asmc_pin.study.tuning import tune
+from asmc_pin.study.tuning import tune_own_gains
 
 
 @pytest.fixture(scope="module")
@@ -350,7 +350,7 @@ def test_tuning_anew_writes_into_the_users_folder_and_runs_what_lies_there(tmp_p
 
     def quickly(experiment, _progress):
         plain = experiment.replace(controllers=untuned(experiment), duration=0.4)
-        return tune(plain, ["Existing"], trials=2, batch=2)
+        return tune_own_gains(plain, ["Existing"], trials=2, batch=2)
 
     monkeypatch.setattr("asmc_pin.reproduction.reproducing.tune_rows", quickly)
     monkeypatch.setattr("asmc_pin.reproduction.reproducing.compare", stop)

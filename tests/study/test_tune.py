@@ -17,7 +17,7 @@ from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
 from asmc_pin.study.law_study import own_parameters
 from asmc_pin.study.stacked_settings import Stacked
-from asmc_pin.study.tuning import tune
+from asmc_pin.study.tuning import tune_own_gains
 from asmc_pin.study.tuning_objective import Objective
 
 
@@ -47,7 +47,7 @@ def experiment(**changes) -> Experiment:
 
 @pytest.fixture(scope="module")
 def tuning():
-    return tune(experiment(), trials=12, batch=5, seed=3)
+    return tune_own_gains(experiment(), trials=12, batch=5, seed=3)
 
 
 def test_every_law_has_the_same_budget_and_one_without_gains_is_run_once(tuning):
@@ -90,15 +90,15 @@ def test_a_list_is_searched_joint_by_joint_and_a_number_as_one(tuning):
 
 
 def test_the_same_seed_gives_the_same_tuning_whichever_laws_are_tuned_with_it(tuning):
-    again = tune(experiment(), ["Existing"], trials=12, batch=5, seed=3)
+    again = tune_own_gains(experiment(), ["Existing"], trials=12, batch=5, seed=3)
     assert again.laws["Existing"] == tuning.laws["Existing"]
-    other = tune(experiment(), ["Existing"], trials=12, batch=5, seed=4)
+    other = tune_own_gains(experiment(), ["Existing"], trials=12, batch=5, seed=4)
     assert other.laws["Existing"].parameters != again.laws["Existing"].parameters
 
 
 def test_searched_values_stay_within_the_span():
     start = own_parameters(experiment(), "Existing")
-    found = tune(experiment(), ["Existing"], trials=8, span=1.5).laws["Existing"].parameters
+    found = tune_own_gains(experiment(), ["Existing"], trials=8, span=1.5).laws["Existing"].parameters
     assert found.keys() == start.keys()
     assert found != start, "the file's own values, the first to be tried, would say nothing"
     for name, value in found.items():
@@ -115,27 +115,29 @@ def test_an_interrupted_tuning_goes_on_from_its_journal(tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        tune(experiment(), ["Existing"], trials=12, batch=4, storage=journal, progress=stop)
+        tune_own_gains(experiment(), ["Existing"], trials=12, batch=4, storage=journal, progress=stop)
     calls.clear()
-    found = tune(
+    found = tune_own_gains(
         experiment(), ["Existing"], trials=12, batch=4, storage=journal, progress=lambda _, share: calls.append(share)
     )
     assert calls[0] == pytest.approx(8 / 12)  # eight were done before the interrupt
     assert found.laws["Existing"].trials == 12
-    assert found.laws["Existing"].untuned == tune(experiment(), ["Existing"], trials=1).laws["Existing"].untuned
+    assert (
+        found.laws["Existing"].untuned == tune_own_gains(experiment(), ["Existing"], trials=1).laws["Existing"].untuned
+    )
 
 
 def test_a_journal_of_another_tuning_is_refused(tmp_path):
     journal = tmp_path / "journal.log"
-    tune(experiment(), ["Existing"], trials=1, storage=journal)
+    tune_own_gains(experiment(), ["Existing"], trials=1, storage=journal)
     with pytest.raises(ResultError, match="another experiment, objective or budget"):
-        tune(experiment(duration=0.8), ["Existing"], trials=1, storage=journal)
+        tune_own_gains(experiment(duration=0.8), ["Existing"], trials=1, storage=journal)
 
 
 def test_a_limit_of_chatter_costs_accuracy_and_is_kept():
-    free = tune(experiment(), ["Existing"], trials=24, seed=1)
+    free = tune_own_gains(experiment(), ["Existing"], trials=24, seed=1)
     limits = (520.0, 440.0)
-    held = tune(experiment(), ["Existing"], trials=24, seed=1, objective=Objective(limits))
+    held = tune_own_gains(experiment(), ["Existing"], trials=24, seed=1, objective=Objective(limits))
     runs = []
     for item in (free.tuned(), held.tuned()):
         law = item.build_controllers()["Existing"]
@@ -203,8 +205,8 @@ def test_what_is_told_is_valid_json_and_names_the_objective(tuning):
 
 def test_faults_are_told():
     with pytest.raises(ExperimentError, match="there is no 'Ppc'"):
-        tune(experiment(), ["Ppc"])
+        tune_own_gains(experiment(), ["Ppc"])
     with pytest.raises(ParameterError, match="span"):
-        tune(experiment(), span=1.0)
+        tune_own_gains(experiment(), span=1.0)
     with pytest.raises(ParameterError, match="chatter_limit"):
         Objective((0.0, 1.0))

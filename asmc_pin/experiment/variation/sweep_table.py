@@ -22,6 +22,7 @@ _NOT_VARIED = {
     "trial": "is the number of a trial, and a sweep counts its own",
     "ensemble": "is about the last digits of one run",
     "sweep": "says what varies",
+    "tune": "says how gains are searched",
 }
 
 Judge = Callable[[dict[str, Any]], list[Mistake]]

@@ -135,8 +135,13 @@ def measure(metric: str) -> str:
 
 def unit_of(findings: SweepFindings, metric: str) -> str:
     """Its SI unit on the joints of these arms."""
+    return unit_on(findings.kinds, metric)
+
+
+def unit_on(kinds: frozenset[str], metric: str) -> str:
+    """SI unit of a metric on joints of these kinds, ``"revolute"`` and ``"prismatic"``."""
     revolute, prismatic = QUANTITIES[METRICS[metric].quantity]
-    units = [unit for kind, unit in (("revolute", revolute), ("prismatic", prismatic)) if kind in findings.kinds]
+    units = [unit for kind, unit in (("revolute", revolute), ("prismatic", prismatic)) if kind in kinds]
     return " or ".join(dict.fromkeys(units))
 
 
