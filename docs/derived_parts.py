@@ -241,10 +241,7 @@ part("integrator-orders")(lambda: table(["scheme", "order"], ([code(name), str(n
 part("claims")(
     lambda: table(
         ["claim", "what it says", "unit of what breaks it", "asked of"],
-        (
-            [*map(for_cell, (s.title, s.text, s.unit, s.asked_of))]
-            for s in STATEMENTS.values()
-        ),
+        ([*map(for_cell, (s.title, s.text, s.unit, s.asked_of))] for s in STATEMENTS.values()),
     )
 )
 

@@ -253,7 +253,7 @@ class TdeLaw(CompiledLaw):
         law, out = self.law_rows(shape[1]), np.empty((6, *shape))
         check_trials(law, shape[0])
         ticks = state.ticks
-        given = (sample.q, sample.v, sample.torque, setpoint.q, setpoint.v, setpoint.a, *state[1:])
+        given: tuple[Array, ...] = (sample.q, sample.v, sample.torque, setpoint.q, setpoint.v, setpoint.a, *state[1:])
         try:
             done = shared_control()(ticks, law, *given, out)
         except TypeError:  # whole numbers, say
