@@ -57,8 +57,11 @@ if TYPE_CHECKING:
     from asmc_pin.controllers import AdaptiveState as AdaptiveState
     from asmc_pin.controllers import Choice as Choice
     from asmc_pin.controllers import Controller as Controller
+    from asmc_pin.controllers import Findings as Findings
+    from asmc_pin.controllers import History as History
     from asmc_pin.controllers import OptionalScalar as OptionalScalar
     from asmc_pin.controllers import PerJoint as PerJoint
+    from asmc_pin.controllers import Promise as Promise
     from asmc_pin.controllers import Sample as Sample
     from asmc_pin.controllers import Scalar as Scalar
     from asmc_pin.controllers import ScalarOrWord as ScalarOrWord

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from asmc_pin.controllers.law_registry import CONTROLLERS
+from asmc_pin.controllers.promises.run_history import Findings, History, Promise
 from asmc_pin.controllers.protocol import Controller, Sample, Setpoint
 from asmc_pin.controllers.tde import AdaptiveState, TdeLaw, TdeState, signed, sliding_variable
 from asmc_pin.parameters import (
@@ -45,11 +46,14 @@ __all__ = [
     "AdaptiveState",
     "Choice",
     "Controller",
+    "Findings",
+    "History",
     "LawInfo",
     "OptionalScalar",
     "Parameter",
     "ParameterInfo",
     "PerJoint",
+    "Promise",
     "Sample",
     "Scalar",
     "ScalarOrWord",

@@ -3,6 +3,7 @@
 import os
 import signal
 
+import distributed
 import pytest
 from dask_cluster import dask_cluster
 from processes import run
@@ -10,8 +11,6 @@ from sweep_cases import contents, tiny
 
 from asmc_pin.errors import ExperimentError, MissingDependencyError, ParameterError
 from asmc_pin.sweeping import dask_workers, sweep
-
-distributed = pytest.importorskip("distributed")
 
 DRAWS, SIZE = 60, 4  # 30 blocks
 

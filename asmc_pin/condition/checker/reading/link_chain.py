@@ -10,9 +10,9 @@ from flint import arb, arb_mat, ctx
 
 from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.condition.checker.balls.ball_geometry import about, column, normalised, rotation, still, symmetric
-from asmc_pin.condition.checker.reading.following import Following, following
 from asmc_pin.condition.checker.reading.header_parts import Load
 from asmc_pin.condition.checker.reading.urdf_text import Description, Unreadable, WrittenJoint
+from asmc_pin.condition.checker.reading.written_couplings import Following, following
 from asmc_pin.words.text import printable
 
 
@@ -190,8 +190,11 @@ class _Reader:
             raise Unreadable("the certificate's joints are not the URDF's, base first")
         if self._held != set(self._locked):
             raise Unreadable("the certificate locks joints that the URDF does not have")
+        carrying = {self._led_by(i) for i, body in enumerate(self._inertia) if body[3, 3] > 0}
         for name, i in self._index.items():
-            if not _of_a_body(self._inertia[i]):
+            # Where all that follows one coordinate has some mass, one of its bodies needs none.
+            empty = all(x == 0 for x in self._inertia[i].entries()) and self._led_by(i) in carrying
+            if not empty and not _of_a_body(self._inertia[i]):
                 raise Unreadable(f"what joint '{printable(name)}' of the URDF moves has an inertia that no body has")
         inertia = np.array([_floats(matrix) for matrix in self._inertia])
         follow = self._follow
@@ -200,6 +203,10 @@ class _Reader:
         ratio, offset = (_floats(arb_mat(len(each), 1, list(each)))[:, 0] for each in (follow.ratio, follow.offset))
         coordinate, leader = (np.array(each, dtype=np.int64) for each in (follow.coordinate, follow.leader))
         return Chain(self._parent, self._place, self._axis, self._slides, inertia, coordinate, ratio, offset, leader)
+
+    def _led_by(self, i: int) -> int:
+        """The coordinate that joint i follows."""
+        return self._follow.coordinate[i]
 
     def _beyond(self, joint: WrittenJoint, body: int, turn: arb_mat, place: arb_mat) -> tuple[int, arb_mat, arb_mat]:
         """The body that a joint's child moves with, and the child's pose in that body's frame."""
