@@ -12,7 +12,7 @@ from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.condition.checker.balls.ball_geometry import about, column, normalised, rotation, still, symmetric
 from asmc_pin.condition.checker.reading.header_parts import Load
 from asmc_pin.condition.checker.reading.urdf_text import Description, Unreadable, WrittenJoint
-from asmc_pin.condition.checker.reading.written_couplings import Following, following
+from asmc_pin.condition.checker.reading.coupled_joints import Following, following
 from asmc_pin.words.text import printable
 
 
