@@ -26,7 +26,7 @@ from asmc_pin.condition.checker.balls.ball_geometry import (
     unit,
     zero,
 )
-from asmc_pin.condition.checker.reading.following import following
+from asmc_pin.condition.checker.reading.coupled_joints import following
 from asmc_pin.condition.checker.reading.header_parts import Load, WrittenStatement
 from asmc_pin.condition.checker.reading.urdf_text import Description
 
