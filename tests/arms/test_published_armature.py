@@ -88,7 +88,7 @@ def test_rotors_of_a_simulation_stand_in_every_headline_and_are_never_proposed(
     with pytest.raises(SystemExit):
         main(["verify", "ur5", "--mbar", "0.1", "--samples", "16", "--armature", "published"])
     said = capsys.readouterr()
-    assert "ur5 with simulated armature: " in said.out
+    assert "ur5 with simulated armature, " in said.out
     assert "from a simulation model, not measured: one round number at every joint" in said.err
     bare = design(load_arm("ur5"), budget=10.0)
     assert not any(item.where == "the published rotors" for item in bare.armature_buys)
