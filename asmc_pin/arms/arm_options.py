@@ -17,7 +17,7 @@ from asmc_pin.arms.urdf.magnitudes import GRAVITY as LARGEST_GRAVITY
 from asmc_pin.arms.urdf.magnitudes import INERTIA, LENGTH
 from asmc_pin.arms.urdf.urdf_reading import Robot
 from asmc_pin.errors import ParameterError
-from asmc_pin.words.provisos import PUBLISHED_ARMATURE_USED, Proviso
+from asmc_pin.words.provisos import PUBLISHED_ARMATURE_USED, SIMULATED_ARMATURE_USED, Proviso
 from asmc_pin.words.text import printable
 from asmc_pin.words.units import check_angle, check_gravity
 
@@ -196,7 +196,7 @@ def published_for(entry: ArmEntry | None, name: str, joints: Sequence[str]) -> t
         )
     values = {joint: value for joint, value in found.armature.items() if joint in joints}
     said = f"from {found.source}. How sure: {found.certainty}"
-    return values, Proviso(PUBLISHED_ARMATURE_USED, said)
+    return values, Proviso(SIMULATED_ARMATURE_USED if found.simulated else PUBLISHED_ARMATURE_USED, said)
 
 
 def _gravity(gravity: Gravity | None) -> Array | None:

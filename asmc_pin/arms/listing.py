@@ -8,7 +8,7 @@ import numpy as np
 
 from asmc_pin.arms.loading import load_arm
 from asmc_pin.arms.published_armature import PUBLISHED_ARMATURE
-from asmc_pin.arms.registry import ARMS
+from asmc_pin.arms.registry import ARMS, ArmEntry
 
 
 def arms_table() -> list[dict[str, str]]:
@@ -30,10 +30,18 @@ def arms_table() -> list[dict[str, str]]:
                 "joints": str(arm.nv),
                 "kinds": ", ".join(f"{count} {kind}" for kind, count in Counter(kinds).items()),
                 "mass": f"{arm.tree.mass.sum():.1f} kg",
-                "published rotors": "yes" if name in PUBLISHED_ARMATURE else "own" if entry.armature else "no",
+                "published rotors": _rotors(name, entry),
                 "effort limits": "declared" if np.all(np.isfinite(arm.effort_limit)) else "not declared",
                 "origin": entry.origin,
                 "licence": entry.licence,
             }
         )
     return rows
+
+
+def _rotors(name: str, entry: ArmEntry) -> str:
+    """What ``armature="published"`` takes."""
+    known = PUBLISHED_ARMATURE.get(name)
+    if known is not None:
+        return "simulated" if known.simulated else "yes"
+    return "own" if entry.armature else "no"

@@ -1,7 +1,7 @@
 """Reflected rotor inertias of the named arms that somebody has published, each with its source and how sure it is.
 
-Only numbers with a source stand here. A value that a simulation model has for its own stability (0.1 at every joint is
-common) is none: nobody says that it is the rotor's.
+Only numbers with a source stand here. What stands in a simulation model alone is listed as such: often it is one round
+number at every joint, and nobody says that it is the rotor's. It can be asked for, and is never proposed.
 """
 
 from __future__ import annotations
@@ -33,11 +33,20 @@ class PublishedArmature:
         armature: Reflected rotor inertia by joint, kg·m².
         source: Who says so, and where.
         certainty: How far it can be relied on.
+        simulated: Whether it stands in a simulation model alone, so that nobody says that it is the rotors'.
     """
 
     armature: Mapping[str, float]
     source: str
     certainty: str
+    simulated: bool = False
+
+
+_SIMULATED = "from a simulation model, not measured: "
+
+
+def _simulated(armature: Mapping[str, float], source: str, certainty: str) -> PublishedArmature:
+    return PublishedArmature(MappingProxyType(dict(armature)), source, _SIMULATED + certainty, simulated=True)
 
 
 def _servos(joints: tuple[str, ...], certainty: str) -> PublishedArmature:
@@ -49,6 +58,10 @@ def _servos(joints: tuple[str, ...], certainty: str) -> PublishedArmature:
 
 
 _SO = ("shoulder_pan", "shoulder_lift", "elbow_flex", "wrist_flex", "wrist_roll", "gripper")
+_UR = (
+    *("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint"),
+    *("wrist_1_joint", "wrist_2_joint", "wrist_3_joint"),
+)
 _FRANKA = (0.605721456, 0.605721456, 0.462474144, 0.462474144, 0.205544064, 0.205544064, 0.205544064)
 
 PUBLISHED_ARMATURE: Mapping[str, PublishedArmature] = MappingProxyType(
@@ -66,6 +79,26 @@ PUBLISHED_ARMATURE: Mapping[str, PublishedArmature] = MappingProxyType(
             "not said",
         ),
         "so101": _servos(_SO, "in the makers' own simulation model; how it was found is not said"),
+        **{
+            name: _simulated(
+                dict.fromkeys(_UR, 0.1),
+                f"google-deepmind/mujoco_menagerie, universal_robots_{name}e/{name}e.xml: armature of its classes",
+                f"one round number at every joint, of the {name.upper()}e, without saying from where",
+            )
+            for name in ("ur5", "ur10")
+        },
+        "kinova": _simulated(
+            {f"j2s6s200_joint_{k + 1}": value for k, value in enumerate((4.0, 4.0, 4.0, 2.0, 2.0, 2.0))},
+            "google-deepmind/dm_control, dm_control/third_party/kinova/jaco_arm.xml: armature of the classes "
+            "large_joint and small_joint",
+            "one round number for each size of joint, of a Jaco with another wrist, without saying from where; it is "
+            "more than all links together",
+        ),
+        "xarm7": _simulated(
+            {f"joint{k + 1}": 0.1 for k in range(7)},
+            "google-deepmind/mujoco_menagerie, ufactory_xarm7/xarm7.xml: armature of the class xarm7",
+            "one round number at every joint, without saying from where",
+        ),
     }
 )
 

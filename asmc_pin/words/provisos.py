@@ -16,6 +16,9 @@ CONVERTED_MJCF = "converted MJCF"
 PUBLISHED_ARMATURE_USED = "published armature"
 """Of an arm with reflected inertias from the list of published ones."""
 
+SIMULATED_ARMATURE_USED = "simulated armature"
+"""Of an arm with reflected inertias that stand in a simulation model alone."""
+
 _QUIET = (EXPANDED_XACRO, CONVERTED_MJCF, PUBLISHED_ARMATURE_USED)
 
 

@@ -28,7 +28,11 @@ def test_what_is_published_is_of_the_arms_own_joints_and_has_a_source(name: str)
     assert arm.armature.tolist() == [known.armature[joint] for joint in arm.joint_names]
     q = np.full(arm.nv, 0.3)
     np.testing.assert_allclose(arm.mass_matrix(q) - bare.mass_matrix(q), np.diag(arm.armature), atol=1e-14)
-    assert [proviso.kind for proviso in arm.provisos] == ["published armature"]
+    assert [proviso.kind for proviso in arm.provisos] == [
+        "simulated armature" if known.simulated else "published armature"
+    ]
+    assert arm.provisos[0].headline == known.simulated
+    assert known.simulated == ("not measured" in known.certainty)
     assert known.source in arm.provisos[0].text
 
 
@@ -42,8 +46,8 @@ def test_it_stays_with_the_arm_through_other_options_and_goes_when_it_is_replace
 
 
 def test_where_nothing_is_published_it_is_said_how_to_measure_it(tmp_path: Path) -> None:
-    with pytest.raises(ParameterError, match=r"no published rotor inertia is known for ur5 .*include_rotors_inertia"):
-        load_arm("ur5", armature="published")
+    with pytest.raises(ParameterError, match=r"no published rotor inertia is known for ur3 .*include_rotors_inertia"):
+        load_arm("ur3", armature="published")
     with pytest.raises(ParameterError, match=r"known for z1 .*To measure it, hold all other joints"):
         load_arm("z1", armature="published")
     with pytest.raises(ParameterError, match="rv4fd has its own already, leave it out"):
@@ -76,6 +80,18 @@ def test_the_command_line_and_experiments_take_the_word(capsys: pytest.CaptureFi
         }
     )
     assert experiment.build_arm().armature.tolist() == [0.028] * 5
+
+
+def test_rotors_of_a_simulation_stand_in_every_headline_and_are_never_proposed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(SystemExit):
+        main(["verify", "ur5", "--mbar", "0.1", "--samples", "16", "--armature", "published"])
+    said = capsys.readouterr()
+    assert "ur5 with simulated armature, " in said.out
+    assert "from a simulation model, not measured: one round number at every joint" in said.err
+    bare = design(load_arm("ur5"), budget=10.0)
+    assert not any(item.where == "the published rotors" for item in bare.armature_buys)
 
 
 def test_a_design_says_what_the_published_rotors_would_allow() -> None:

@@ -116,7 +116,8 @@ def what_published_rotors_buy(
     arm = all_cases[0].domain.arm
     entry = arm.made_of.entry
     known = PUBLISHED_ARMATURE.get(entry.name) if entry is not None else None
-    if known is None or any(np.any(case.domain.armature_upper > 0.0) for case in all_cases):
+    # What a simulation model has is no prospect for the robot.
+    if known is None or known.simulated or any(np.any(case.domain.armature_upper > 0.0) for case in all_cases):
         return ()
     rotors = np.array([known.armature.get(name, 0.0) for name in arm.joint_names])
     domains = [replace(case.domain, armature_lower=rotors, armature_upper=rotors) for case in all_cases]

@@ -28,7 +28,7 @@ from asmc_pin.condition.checker.balls.balls import (
     positive,
 )
 from asmc_pin.condition.checker.boxes import box_bounds, statements
-from asmc_pin.condition.checker.boxes.quadratic_form import form_of
+from asmc_pin.condition.checker.boxes.quadratic_form import form_of, least_eigenvalues
 from asmc_pin.condition.checker.reading.certificate_schema import Contents
 from asmc_pin.condition.checker.reading.header_parts import Load
 from asmc_pin.condition.checker.reading.link_chain import Chain, chain_of
@@ -371,7 +371,15 @@ def test_what_no_precision_decides_is_a_problem() -> None:
     form = form_of(chain, np.array([2.0]), said, -np.ones(1), np.ones(1))
     with np.errstate(invalid="ignore"):
         found = spot_checks.spot_checks(
-            balls, form, said, parsed_case(1), [2.0], np.zeros((1, 1)), np.zeros((1, 1)), 0, 0
+            balls,
+            lambda q: least_eigenvalues(form, q),
+            said,
+            parsed_case(1),
+            [2.0],
+            np.zeros((1, 1)),
+            np.zeros((1, 1)),
+            0,
+            0,
         )
     assert "could not be decided" in found.problem
     assert found.points == 0
@@ -522,7 +530,9 @@ def _spots(kind: str, share: float = 1.0, largest: float = 0.0) -> spot_checks.S
     said = made.statements[0]
     form = form_of(chain, mbar, said, -np.ones(2), np.ones(2))
     centres, halves = np.zeros((6, 2)), np.full((6, 2), 1.0)
-    return spot_checks.spot_checks(balls, form, said, made.cases[0], mbar.tolist(), centres, halves, 0, 0)
+    return spot_checks.spot_checks(
+        balls, lambda q: least_eigenvalues(form, q), said, made.cases[0], mbar.tolist(), centres, halves, 0, 0
+    )
 
 
 def test_small_boxes_are_inside_the_cells_and_their_widths_are_told() -> None:

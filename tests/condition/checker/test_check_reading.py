@@ -732,7 +732,7 @@ def test_a_text_is_read_as_the_loader_reads_it(name: str) -> None:
     joints = {joint.name: joint for on in found.children.values() for joint in on}
     moving = [joint.name for joint in joints.values() if joint.kind != "fixed"]
     assert set(moving) == {*loaded.joint_names, *loaded.locked}
-    assert not any(joints[name].mimics for name in loaded.joint_names)
+    assert not any(joints[name].mimic for name in loaded.joint_names)
     chain = chain_of(found, loaded.joint_names, loaded.locked, None)
     q = np.random.default_rng(0).uniform(-3.0, 3.0, (5, loaded.nv))
     mass = loaded.mass_matrix(q)

@@ -26,9 +26,9 @@ from asmc_pin.condition.checker.balls.ball_geometry import (
     unit,
     zero,
 )
+from asmc_pin.condition.checker.reading.coupled_joints import following
 from asmc_pin.condition.checker.reading.header_parts import Load, WrittenStatement
 from asmc_pin.condition.checker.reading.urdf_text import Description
-from asmc_pin.condition.checker.reading.coupled_joints import following
 
 Verdict: TypeAlias = Literal["true", "false", "open"]
 """Whether it is so for all numbers in the balls, false for at least one, or neither by these balls."""

@@ -18,9 +18,9 @@ from flint import arb, ctx
 from asmc_pin._typing import Array, IntArray
 from asmc_pin.condition.checker.boxes.bisection import Broken, by_branch, cells
 from asmc_pin.condition.checker.boxes.quadratic_form import Borne, Form, form_of, form_with
+from asmc_pin.condition.checker.reading.coupled_joints import Following
 from asmc_pin.condition.checker.reading.header_parts import Header, Malformed, WrittenCase, WrittenStatement
 from asmc_pin.condition.checker.reading.link_chain import Chain
-from asmc_pin.condition.checker.reading.coupled_joints import Following
 
 Bytes = np.ndarray[Any, np.dtype[np.uint8]]
 

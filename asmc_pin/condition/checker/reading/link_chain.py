@@ -10,9 +10,9 @@ from flint import arb, arb_mat, ctx
 
 from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.condition.checker.balls.ball_geometry import about, column, normalised, rotation, still, symmetric
+from asmc_pin.condition.checker.reading.coupled_joints import Following, following
 from asmc_pin.condition.checker.reading.header_parts import Load
 from asmc_pin.condition.checker.reading.urdf_text import Description, Unreadable, WrittenJoint
-from asmc_pin.condition.checker.reading.coupled_joints import Following, following
 from asmc_pin.words.text import printable
 
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from asmc_pin.condition.checker.reading.certificate_schema import Contents
+from asmc_pin.condition.checker.reading.coupled_joints import following
 from asmc_pin.condition.checker.reading.header_parts import Header, Load, Malformed, WrittenCase
 from asmc_pin.condition.checker.reading.link_chain import Chain
 from asmc_pin.condition.checker.reading.urdf_text import Description
-from asmc_pin.condition.checker.reading.coupled_joints import following
 from asmc_pin.condition.hypotheses import Carried, Hypotheses, Premises, Proviso, fold_locks
 from asmc_pin.words.text import printable
 
