@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import unicodedata
 from functools import cache
@@ -90,6 +91,13 @@ def test_a_card_lists_a_law_s_own_parameters_under_their_heading_or_says_that_th
     assert [line.split(":")[0].strip() for line in lines[at + 1 : at + 1 + len(card.parameters)]] == [
         item.name for item in card.parameters
     ]
+
+
+def test_nobody_changes_a_card_that_others_hold() -> None:
+    card = law_card("barrier", CONTROLLERS["barrier"])
+    for held in (card, card.parameters[0]):
+        with pytest.raises(dataclasses.FrozenInstanceError):
+            held.name = "another"  # type: ignore[misc]
 
 
 def test_the_command_prints_a_card_with_what_a_tick_costs(capfd: pytest.CaptureFixture[str]) -> None:

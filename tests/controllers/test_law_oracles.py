@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-import pytest
-from law_oracles import ORACLES, Oracle, of_law
+from typing import Any
 
-from asmc_pin.controllers import CONTROLLERS
+import numpy as np
+import pytest
+from law_oracles import ORACLES, Oracle, of_law, run
+
+from asmc_pin.controllers import CONTROLLERS, Pid
 
 WITHOUT = {"bsmc"}  # tests/controllers/test_controllers_closed_loop.py has its oracle
 
@@ -13,6 +16,33 @@ WITHOUT = {"bsmc"}  # tests/controllers/test_controllers_closed_loop.py has its 
 @pytest.mark.parametrize("item", ORACLES, ids=lambda item: f"{item.law}: {item.property}")
 def test_an_oracle_of_a_law_holds_through_the_plant(item: Oracle) -> None:
     assert abs(item.measure() - item.value) <= item.within
+
+
+@pytest.mark.parametrize(
+    ("name", "share"), [("implicit", 1.0), ("implicit", 0.4), ("plestan2010", 0.4), ("baek2016", 0.4)]
+)
+def test_where_the_mass_is_known_an_implicit_law_takes_the_share_of_s_that_it_states_in_one_tick(
+    name: str, share: float
+) -> None:
+    """With M̄ = m and no load the estimate is exact, so that N = 0 and s_{k+1} = (1 − λ) b_k."""
+    large = {"implicit": {"gain": 1e6}, "plestan2010": {"rate": 1.0, "epsilon": 1e3, "floor": 1e6}}
+    own = large.get(name, {"phi": 1e12, "alpha": 1.0, "epsilon": 1e-9})
+    choice = {} if name == "implicit" else {"switching": "implicit"}
+    law: Any = CONTROLLERS[name](mbar=1.3, share=share, ks=12.0, beta=9.0, period=1e-3, **own, **choice)
+    trace = run(law, 1.3, ticks=12, load=np.zeros((12, 1)), kicks=0.0, start=(0.02, 0.5))
+    s, rate = trace.s[:, 0], trace.rate[:, 0]
+    reach = 1e-3 * (1.0 + 0.5 * 12.0 * 1e-3)
+    ahead = s + 1e-3 * 12.0 * rate - reach * (12.0 * rate + 9.0 * s)
+    assert abs(s[0]) > 0.1
+    np.testing.assert_allclose(s[1:5], (1.0 - share) * ahead[:4], rtol=0.0, atol=1e-9 * abs(s[0]))
+
+
+def test_gains_of_a_pid_are_those_of_the_mbar_ks_and_beta_that_stand_for_them() -> None:
+    given = Pid(kp=[400.0, 300.0], ki=[900.0, 80.0], kd=[40.0, 25.0], period=2e-3)
+    for found, gain in zip(
+        Pid(mbar=given.mbar, ks=given.ks, beta=given.beta[0], period=2e-3).gains, given.gains, strict=True
+    ):
+        assert found[0] == pytest.approx(gain[0], rel=1e-12)
 
 
 def test_every_law_has_an_oracle() -> None:

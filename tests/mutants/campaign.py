@@ -13,7 +13,7 @@ import subprocess
 import sys
 import tomllib
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -194,19 +194,24 @@ class _Round:
         self._cover(judge, [name for names in known.values() for name in names])
         left = self._try(judge, {m: [n for n in names if n in self.calls] for m, names in known.items()}, "")
         left += [m for m in self.mutants if m not in known]
-        outside = {m: self._judges(judge, self.parts[m.module]) for m in left if m.function is None}
+        outside = [m for m in left if m.function is None]
         inside = [m for m in left if m.function is not None]
+        uncalled = set(inside)
         for file in dict.fromkeys(map(file_of, judge.items)):
             names = {part: [n for n in self._judges(judge, part) if file_of(n) == file] for part in self.judges}
             near = [m for m in inside if names[self.parts[m.module]]]
             if near:
                 self._cover(judge, [name for m in near for name in names[self.parts[m.module]]])
                 shown = {m: judging(m, self.calls, names[self.parts[m.module]]) for m in near}
+                uncalled -= {m for m in shown if shown[m]}
                 left = self._try(judge, shown, file)
                 inside = [m for m in inside if m not in near or m in left]
-        # A new process for each costs some seconds: one for all tests of their part.
-        self._cover(judge, [name for names in outside.values() for name in names])
-        self._try(judge, {m: judging(m, self.calls, names) for m, names in outside.items()}, "all tests of their part")
+        # What no test calls may be called while its module is imported. A new process for each of these costs some
+        # seconds: one for all tests of their part.
+        outside += [replace(m, function=None) for m in inside if m in uncalled]
+        near_by = {m: self._judges(judge, self.parts[m.module]) for m in outside}
+        self._cover(judge, [name for names in near_by.values() for name in names])
+        self._try(judge, {m: judging(m, self.calls, names) for m, names in near_by.items()}, "all tests of their part")
 
     def _judges(self, judge: Judge, part: str) -> list[str]:
         """The tests that judge a part."""
@@ -226,7 +231,7 @@ class _Round:
                 left.append(mutant)
                 shown_all = before.tests + verdict.tests if by else 0
                 verdict = Verdict("survived" if shown_all else "not called", "", shown_all)
-            elif verdict.what == "killed":
+            else:
                 self.killers[mutant.name] = verdict.by
                 (SCRATCH / "killers.json").write_text(json.dumps([*self.killers.items()]))
             self._keep(held | {mutant.name: verdict})

@@ -132,7 +132,10 @@ class Judge:
             elif done and done[-1] == "survived":
                 verdict = Verdict("survived", "", len(shown[mutants[k]]))
             else:
-                verdict = Verdict("endless", f"signal {-status}", len(done))
+                # The clock, or a crash, ended it during the test after the last that passed.
+                stopped = -status in (signal.SIGXCPU, signal.SIGKILL, signal.SIGALRM)
+                by = shown[mutants[k]][min(len(done), len(shown[mutants[k]]) - 1)]
+                verdict = Verdict("endless" if stopped else "killed", by, len(done))
             yield mutants[k], verdict
 
     def _warm(self, mutant: Mutant, live: dict[Any, list[Any]], names: list[str], seconds: float, out: Any) -> None:

@@ -103,6 +103,13 @@ def test_the_dynamics_are_pinocchio_s(arm: Arm) -> None:
     assert difference_from_pinocchio(arm, bodies_of(arm.tree)) < TOLERANCE
 
 
+def test_an_arm_that_nothing_pulls_is_not_refused(arm: Arm) -> None:
+    """Without gravity its turning alone is what a bias is measured by."""
+    assert difference_from_pinocchio(arm.replace(gravity=(0.0, 0.0, 0.0)), bodies_of(arm.tree)) > 0.1
+    floating = arm.replace(gravity=(0.0, 0.0, 0.0))
+    assert difference_from_pinocchio(floating, bodies_of(floating.tree)) < TOLERANCE
+
+
 @pytest.mark.parametrize("plant", PLANTS)
 @pytest.mark.parametrize("law", LAWS)
 def test_a_run_of_a_small_arm_is_the_one_that_pinocchio_computes(arm: Arm, plant: str, law: str) -> None:
@@ -123,6 +130,17 @@ def test_a_short_run_is_the_beginning_of_a_long_one_noise_and_all(arm: Arm, plan
     short, long = (run(arm, LAWS["ppc"], ticks=count, **PLANTS[plant]) for count in (ticks, 20))
     for name in HISTORIES:
         np.testing.assert_array_equal(getattr(short, name), getattr(long, name)[:, : ticks + 1], err_msg=name)
+
+
+@pytest.mark.parametrize("plant", ["sensor", "disturbances", "payload"])
+def test_in_how_many_pieces_a_run_is_computed_changes_no_bit_of_it(
+    arm: Arm, plant: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = run(arm, LAWS["baek2016"], ticks=30, **PLANTS[plant])
+    monkeypatch.setattr("asmc_pin.plant.following.TRIAL_TICKS", 2 * 7)
+    pieces = run(arm, LAWS["baek2016"], ticks=30, **PLANTS[plant])
+    for name in HISTORIES:
+        np.testing.assert_array_equal(getattr(whole, name), getattr(pieces, name), err_msg=name)
 
 
 def test_a_reference_may_go_farther_than_a_trial_may_be_from_it(arm: Arm) -> None:
