@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -44,6 +44,10 @@ from asmc_pin.cli.sensor_options import (
     VelocityOption,
     sensor_of,
 )
+from asmc_pin.errors import ParameterError
+
+if TYPE_CHECKING:
+    from asmc_pin.sampled import SampledLoop
 
 
 @app.command(rich_help_panel=MBAR)
@@ -134,6 +138,8 @@ def stability(
         box=ranges,
         **domain,
     )
+    if certify and chosen is not None:
+        _refuse_proof(context, found.loop)
     if certify:
         found = replace(
             found, proof=loop_proof_of(loaded, found.loop, certificate, budget=budget, box=ranges, **domain)
@@ -163,3 +169,20 @@ def stability(
             )
     open_question = found.proof is not None and found.proof.verdict == "undecided"
     raise typer.Exit(1 if not found.stable else 3 if open_question else 0)
+
+
+def _refuse_proof(context: typer.Context, loop: SampledLoop) -> None:
+    """Say what can be proven of a law other than PPC, with the command that does it.
+
+    Raises:
+        ParameterError: Always; no proof is made of such a loop.
+    """
+    from asmc_pin.sampled.proof.loop_certificate import not_plain
+
+    said = not_plain(loop)
+    assert said is not None
+    if not loop.law.estimates:
+        raise ParameterError("--certify", said[1])
+    condition_on = ",".join(f"{value:.10g}" for value in loop.tuned_law.estimate_weight * loop.mbar)
+    command = again(context, "verify", "--mbar", condition_on, "--certify", also=("budget",))
+    raise ParameterError("--certify", f"{said[1]}: {command}")
