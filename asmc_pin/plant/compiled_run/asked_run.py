@@ -24,7 +24,7 @@ class AskedRun(CompiledRun):
     def __init__(self, motion: Motion, wanted: Setpoint, histories: dict[str, Array], ks: Array | None) -> None:
         super().__init__(motion, wanted, histories)
         batch, nv = motion.q.shape
-        self._log = np.empty((batch, LOG_TICKS, LOGGED, nv))
+        self._log = np.empty((LOG_TICKS, batch, LOGGED, nv))
         self._command = np.empty((batch, nv))
         self._ks = np.zeros(nv) if ks is None else np.array(np.broadcast_to(ks, (nv,)))
         self._done = self._spread = 0
@@ -45,7 +45,7 @@ class AskedRun(CompiledRun):
         self._command[:] = command
         self.running = self._look(k, self._command, self._log, self._ks)
         if gain is not None:
-            self._log[:, k % LOG_TICKS, GAIN] = gain
+            self._log[k % LOG_TICKS, :, GAIN] = gain
         self._done = k + 1
 
     def finish(self) -> None:

@@ -1,8 +1,8 @@
 """One tick of all trials under commands that are given, compiled: for a law in numpy, which is asked at every tick.
 
 What crosses from Python is arrays alone, as few as can be: numba looks at a tuple's every member, which takes longer
-than the tick of a trial. The log of some ticks stays together, a trial's in one piece, until it is spread over the
-histories: a tick that writes to each history by itself touches more memory than a cache holds.
+than the tick of a trial. The log of some ticks stays together until it is spread over the histories, a trial's at a
+time: a tick that writes to each history by itself touches another page of memory for each trial and history.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def _note(
         log[8, i] = surface(ks[i], seen[0, i], seen[1, i], q_ref[k, i], v_ref[k, i])
 
 
-@short_loops
+@inlined
 def _one_trial(
     k: int,
     command: Array,
@@ -145,7 +145,7 @@ def run_commands(
 ) -> int:
     """Carry trials over the period of tick k under given commands, (batch, nv), and look at the next tick.
 
-    For k = −1 only tick 0 is looked at. The log is (batch, LOG_TICKS, LOGGED, nv), of which tick k writes its own;
+    For k = −1 only tick 0 is looked at. The log is (LOG_TICKS, batch, LOGGED, nv), of which tick k writes its own;
     `numbers` are the fields of `Setup`; the other arguments are fields of what `run_law` takes, the noise that of the
     next tick.
 
@@ -161,7 +161,7 @@ def run_commands(
             stop = _one_trial(
                 k, command[trial], setup, parent, body, gravity, q_ref, v_ref, older_share, loads,
                 own_loads[trial] if own_loads.size else nothing[:0], noise[trial, 0] if noise.size else nothing,
-                plant[trial], state[trial], drive[trial], sensor[trial], seen[trial], log[trial, at], ks,
+                plant[trial], state[trial], drive[trial], sensor[trial], seen[trial], log[at, trial], ks,
                 scratch, room, squares, signs,
             )  # fmt: skip
             if stop < 0:
@@ -175,19 +175,18 @@ def run_commands(
 
 
 @short_loops
-def _spread_one(log: Array, row: int, history: Array, begin: int, end: int) -> None:
+def _spread_one(log: Array, row: int, trial: int, history: Array, begin: int, end: int) -> None:
     """One history of one trial."""
-    if history.size:
-        for k in range(begin, end):
-            for i in range(history.shape[1]):
-                history[k, i] = log[k - begin, row, i]
+    for k in range(begin, end):
+        for i in range(history.shape[2]):
+            history[trial, k, i] = log[k - begin, trial, row, i]
 
 
 @short_loops
 def spread(log: Array, begin: int, end: int, stopped_at: IntArray, histories: Histories) -> None:
     """Write the log of ticks from `begin` on to the histories; of a trial that stopped, the ticks before it."""
-    for trial in range(len(log)):
+    for trial in range(log.shape[1]):
         last = min(end, stopped_at[trial])
         for row, history in enumerate(histories):
             if history.size:
-                _spread_one(log[trial], row, history[trial], begin, last)
+                _spread_one(log, row, trial, history, begin, last)

@@ -97,7 +97,7 @@ class CompiledRun:
         self._groups: list[tuple[Bodies, IntArray]] = []
         self._regroup(0)
         self._numbers = np.array(self._setup, dtype=np.float64)
-        self._look(-1, np.zeros((batch, nv)), np.empty((batch, LOG_TICKS, LOGGED, nv)), np.zeros(nv))
+        self._look(-1, np.zeros((batch, nv)), np.empty((LOG_TICKS, batch, LOGGED, nv)), np.zeros(nv))
         self._blank_stopped()
 
     @property
