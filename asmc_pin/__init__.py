@@ -134,6 +134,7 @@ if TYPE_CHECKING:
     from asmc_pin.sampled.gain_choice.gain_design import GainDesign as GainDesign
     from asmc_pin.sampled.gain_choice.gain_search import Margins as Margins
     from asmc_pin.sampled.gain_choice.gains import suggest_gains as suggest_gains
+    from asmc_pin.sampled.gain_choice.law_choice import Bought as Bought
     from asmc_pin.sampled.stability_report import WorstFound as WorstFound
     from asmc_pin.statistics.paired_ratio import RatioInterval as RatioInterval
     from asmc_pin.statistics.pairwise import PairedComparison as PairedComparison
