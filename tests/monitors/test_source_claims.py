@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from law_settings import required_of
 from plant_cases import Still, Waving, slider
 
 from asmc_pin.controllers import CONTROLLERS, Barrier, Ntsm, Plestan2010, Sta
@@ -230,7 +231,8 @@ def test_a_barrier_gain_is_no_larger_than_what_pushes_s(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_every_claim_of_a_source_is_judged_or_has_a_reason_why_not(tmp_path: Path, name: str) -> None:
-    law = suggested(CONTROLLERS[name])
+    # A law that suggests no values of its own has some, too.
+    law = suggested(CONTROLLERS[name], **required_of(name, 1.0))
     run, world = ran(law, tmp_path, seconds=0.1)
     found = monitor(run, world, law)
     for key in SOURCES:

@@ -141,7 +141,7 @@ def test_a_dob_keeps_the_margin_of_its_own_estimate() -> None:
     assert not stability(arm, 3.0, 6.0, 6.0, 1e-3, limits=False, samples=8, box={"slide0": (-1.0, 1.0)}).stable
     found = stability(arm, 3.0, 6.0, 6.0, 1e-3, law=law, limits=False, samples=8, box={"slide0": (-1.0, 1.0)})
     assert found.stable
-    assert "law dob (cutoff_hz = " in found.loop.words()
+    assert "law dob (cutoff_hz = " in found.loop.words((True,))
 
 
 def test_an_experiments_laws_have_their_own_loops_and_bands() -> None:
