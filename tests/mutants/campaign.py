@@ -127,12 +127,13 @@ _COMPILERS = re.compile(r"((numba\.)?njit\b|(compiled|short_loops|inlined|with_r
 
 
 def _compiled_functions(source: str) -> set[str]:
-    """The functions of a module that are compiled where they stand."""
-    return {
+    """The functions of a module that are compiled, where they stand or when they are first asked for."""
+    decorated = {
         each.name
         for each in ast.parse(source).body
         if isinstance(each, ast.FunctionDef) and any(_COMPILERS.match(ast.unparse(d)) for d in each.decorator_list)
     }
+    return decorated | set(re.findall(r"njit\(.*\)\((\w+)\)", source))
 
 
 @cache

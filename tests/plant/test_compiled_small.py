@@ -132,6 +132,33 @@ def test_a_short_run_is_the_beginning_of_a_long_one_noise_and_all(arm: Arm, plan
         np.testing.assert_array_equal(getattr(short, name), getattr(long, name)[:, : ticks + 1], err_msg=name)
 
 
+class InNumpy(Ppc):
+    """PPC that is asked in Python at every tick."""
+
+    def step(self, state: Any, sample: Any, setpoint: Any) -> Any:
+        torque, _, state = self.pole_placement(state, sample, setpoint)
+        return torque, state
+
+
+@pytest.mark.parametrize(
+    "plant", ["frictionless", "friction", "substeps", "drive", "sensor", "disturbances", "payload"]
+)
+def test_a_law_that_is_asked_at_every_tick_runs_to_the_last_bit_as_the_compiled_one(arm: Arm, plant: str) -> None:
+    one, other = (run(arm, law(**SHARED), ticks=40, **PLANTS[plant]) for law in (InNumpy, Ppc))
+    for name in HISTORIES:
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
+
+
+@pytest.mark.parametrize("bound", [{"speed_bound": 1.5}, {"error_bound": 0.01}])
+def test_a_law_that_is_asked_at_every_tick_stops_where_the_compiled_one_does(arm: Arm, bound: dict[str, Any]) -> None:
+    one, other = (run(arm, law(**SHARED), ticks=40, **PLANTS["weak drives"], **bound) for law in (InNumpy, Ppc))
+    assert one.status == other.status == ("diverged", "diverged")
+    assert 0.0 < one.end_time[0] < one.time[-1]
+    np.testing.assert_array_equal(one.end_time, other.end_time)
+    for name in HISTORIES:
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
+
+
 @pytest.mark.parametrize("plant", ["sensor", "disturbances", "payload"])
 def test_in_how_many_pieces_a_run_is_computed_changes_no_bit_of_it(
     arm: Arm, plant: str, monkeypatch: pytest.MonkeyPatch

@@ -1,0 +1,111 @@
+"""What promises reckon from a history, on motions that were made from pushes that are known."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asmc_pin.controllers.promises.bounded_gain import BoundedByEnergy
+from asmc_pin.controllers.promises.kept_width import KeptWidth
+from asmc_pin.controllers.promises.run_history import History, gathered
+from asmc_pin.controllers.promises.terminal_time import TerminalTime
+
+L, BETA, TICKS = 1e-3, 8.0, 50
+
+
+def history(**signals: Any) -> History:
+    """A trial of two joints; what is not given is NaN."""
+    nothing = np.full((TICKS, 2), np.nan)
+    usual = dict.fromkeys(("error", "rate", "bend", "s", "gain"), nothing)
+    return History(time=L * np.arange(TICKS), **{**usual, **signals})
+
+
+def test_the_push_under_a_shared_gain_is_the_one_that_the_motion_was_made_with() -> None:
+    push = np.random.default_rng(0).uniform(-5.0, 5.0, (TICKS - 1, 2))
+    s = np.empty((TICKS, 2))
+    s[0] = 0.03, -0.02  # both cross 0 on the way
+    for k, d in enumerate(push):
+        s[k + 1] = s[k] - L * (BETA * s[k] + 3.0 * np.where(s[k] >= 0.0, 1.0, -1.0) + d)
+    assert (s > 0.0).any(axis=0).all()
+    assert (s < 0.0).any(axis=0).all()
+    promise = BoundedByEnergy(rate=40.0, floor=0.1, epsilon=1e-9, beta=BETA, period=L)
+    star = np.linalg.norm(push, axis=1).max()
+    bound = star + np.sqrt(40.0 * (0.03**2 + 0.02**2) + (3.0 - star) ** 2)  # s stays outside ε from the start
+    for share in (0.99, 1.01):
+        gain = np.full((TICKS, 2), 3.0)
+        gain[-1] = share * bound
+        found = promise.findings(history(s=s, gain=gain))
+        np.testing.assert_allclose(found.push[:-1], push, rtol=0.0, atol=1e-9)
+        assert found.excess[-1] == pytest.approx((share - 1.0) * bound, rel=1e-6)
+        assert (found.excess[:-1] < 0.0).all()
+
+
+def barrier_motion(law: KeptWidth, push: np.ndarray, start: tuple[float, float]) -> np.ndarray:
+    reach = L * (1.0 + 0.5 * np.asarray(law.ks) * L)
+    s = np.empty((TICKS, 2))
+    s[0] = start
+    for k, d in enumerate(push):
+        gain = np.minimum(law.limit, np.abs(s[k]) / (law.width - np.abs(s[k])))
+        s[k + 1] = (1.0 - reach * BETA) * s[k] - reach * (gain * np.sign(s[k]) + d)
+    return s
+
+
+def test_the_push_under_a_barrier_is_the_one_that_the_motion_was_made_with_and_the_worst_joint_is_named() -> None:
+    law = KeptWidth(0.05, 20.0, np.array([8.0, 300.0]), BETA, L)
+    push = np.random.default_rng(1).uniform(-9.0, 9.0, (TICKS - 1, 2)) * [1.0, 0.3]
+    s = barrier_motion(law, push, (0.02, -0.045))
+    found = law.findings(history(s=s))
+    np.testing.assert_allclose(found.push[:-1], push, rtol=0.0, atol=1e-9)
+    assert found.checked.all()
+    np.testing.assert_allclose(found.excess, (np.abs(s) - 0.05).max(axis=1), rtol=0.0, atol=1e-15)
+    assert "|s|/ε up to 0.9 at joint 2, pushed by" in found.seen
+    low, high = law.limits(np.abs(push[:, 1]).max(), 300.0) or (np.nan, np.nan)
+    assert f"with U from {low:.3g} to {high:.3g} rad/s²" in found.seen
+    assert low < law.limit < high
+
+
+def stays(law: KeptWidth, push: float, limit: float, period: float, ks: float) -> bool:
+    """The same by trying all s of a fine grid, with the push at either end."""
+    s = law.width * np.append(np.linspace(0.0, 1.0, 20_001)[:-1], 1.0 - 1e-12)
+    reach = period * (1.0 + 0.5 * ks * period)
+    ahead = (1.0 - reach * law.beta) * s - reach * np.minimum(limit, s / (law.width - s))
+    return bool(ahead.max() + reach * push < law.width and ahead.min() - reach * push > -law.width)
+
+
+@pytest.mark.parametrize("ks", [8.0, 400.0])
+@pytest.mark.parametrize("push", [2.0, 12.0])
+def test_the_longest_period_that_is_named_is_the_longest_at_which_no_push_takes_s_out(ks: float, push: float) -> None:
+    law = KeptWidth(0.05, 20.0, np.array(ks), BETA, L)
+    longest = law.longest_period(push, 20.0, ks)
+    assert stays(law, push, 20.0, 0.999 * longest, ks)
+    assert not stays(law, push, 20.0, 1.001 * longest, ks)
+
+
+def test_the_limits_that_are_named_begin_where_they_first_exceed_the_push() -> None:
+    law = KeptWidth(0.05, 20.0, np.array(8.0), BETA, 2e-3)
+    low, high = law.limits(8.3, 8.0) or (np.nan, np.nan)
+    assert 1.0 < low / (8.3 - BETA * 0.05) < 1.005
+    assert stays(law, 8.3, high, 2e-3, 8.0)
+    assert not stays(law, 8.3, 1.02 * high, 2e-3, 8.0)
+
+
+def test_a_joint_of_which_nothing_is_claimed_yet_breaks_no_claim_about_another() -> None:
+    over = np.array([[-1.0, 7.0], [np.nan, -2.0], [-3.0, -4.0]])
+    checked = np.array([[True, False], [True, True], [False, False]])
+    found = gathered(over, checked, over, "", "")
+    assert found.excess.tolist() == [-1.0, -2.0, -np.inf]
+    assert found.checked.tolist() == [True, True, False]
+
+
+def test_the_push_on_a_terminal_surface_is_what_the_law_s_own_pulls_leave_of_the_motion() -> None:
+    rng = np.random.default_rng(2)
+    error, rate, push = rng.uniform(-0.1, 0.1, (3, TICKS, 2))
+    p, stiffness, layer = 1.5, np.array([8.0, 3.0]), np.array([0.01, 0.05])
+    sigma = error + np.sign(rate) * np.abs(rate) ** p / stiffness
+    along = -stiffness / p * np.sign(rate) * np.abs(rate) ** (2.0 - p)
+    back = -BETA * stiffness * sigma - 2.0 * np.clip(sigma / layer, -1.0, 1.0)
+    promise = TerminalTime(p, stiffness, np.array([2.0, 2.0]), layer, BETA)
+    found = promise.findings(history(error=error, rate=rate, bend=along + back - push))
+    np.testing.assert_allclose(found.push, push, rtol=0.0, atol=1e-12)
