@@ -17,9 +17,10 @@ from law_oracles import ORACLES
 from asmc_pin.arms import ARMS
 from asmc_pin.arms.published_armature import PUBLISHED_ARMATURE
 from asmc_pin.baselines import BASELINES, ModelLaw
+from asmc_pin.baselines.model_card import LIMITS, model_card
 from asmc_pin.cli.commands.listing_commands import arm_rows, controller_rows, metric_rows
 from asmc_pin.controllers import CONTROLLERS, TdeLaw
-from asmc_pin.controllers.law_card import law_card
+from asmc_pin.controllers.law_card import law_card, suggested
 from asmc_pin.experiment.constructors import Signature
 from asmc_pin.experiment.plant_parts import LISTS, TABLES
 from asmc_pin.experiment.toml_keys import ArmTable, EnsembleTable, ExperimentTables, MetricsTable, PlantTable
@@ -32,6 +33,7 @@ from asmc_pin.parameters import REQUIRED, Parameter, parameters_of
 from asmc_pin.plant import ORDERS
 from asmc_pin.references import REFERENCES
 from asmc_pin.reproduction.reproduction_page import medians, plain_pair
+from asmc_pin.sampled.stable_ratios import stable_words
 from asmc_pin.words.media import for_cell
 
 PARTS: dict[str, Callable[[], str]] = {}
@@ -209,7 +211,10 @@ def law_oracles_table() -> str:
 @part("law-cards")
 def law_cards() -> str:
     """docs/law_cards.md: every law on one page."""
-    cards = (law_card(name, law).lines() for name, law in CONTROLLERS.items())
+    cards = [
+        [*law_card(name, law).lines(), f"Limits: {stable_words(suggested(law))}"] for name, law in CONTROLLERS.items()
+    ]
+    cards += [[*model_card(name).lines(), f"Limits: {LIMITS}"] for name in BASELINES]
     return "\n\n".join("\n".join([f"## {lines[0]}", "", "```text", *lines[2:], "```"]) for lines in cards)
 
 

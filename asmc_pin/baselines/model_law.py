@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
 from typing import Any, ClassVar, Self
@@ -40,6 +41,14 @@ class ModelLaw(ABC):
     title: ClassVar[str] = ""
     equation: ClassVar[str] = ""
     reference: ClassVar[str] = ""
+    oracle: ClassVar[str] = ""
+    """What it does exactly, or in which order."""
+    claim: ClassVar[str] = ""
+    """What its source claims."""
+    fails: ClassVar[str] = ""
+    """When that does not hold."""
+    typical: ClassVar[Mapping[str, float]] = {}
+    """Values of its own parameters to begin with: they hold two_link, ur5 and panda at 1 kHz."""
 
     period: Scalar = Scalar("control period L", "s", above=0.0)
     mass_scale: Scalar = Scalar("masses and inertias of the model over the arm's", above=0.0, default=1.0)

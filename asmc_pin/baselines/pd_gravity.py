@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -27,6 +28,12 @@ class PdGravity(ModelLaw):
     title: ClassVar[str] = "PD with gravity compensation"
     equation: ClassVar[str] = "τ = K_p e + K_d ė + ĝ(q)"
     reference: ClassVar[str] = "Takegaki, Arimoto (1981), J. Dyn. Syst. Meas. Control 103(2)"
+    oracle: ClassVar[str] = "at rest K_p e is the load that ĝ misses"
+    claim: ClassVar[str] = "Asymptotically stable at every standing reference where ĝ = g and nothing rubs."
+    fails: ClassVar[str] = (
+        "A moving reference is followed with a lag, friction leaves f/k_p, and held torque bounds k_d by 2m/L."
+    )
+    typical: ClassVar[Mapping[str, float]] = {"kp": 200.0, "kd": 15.0}
 
     kp: PerJoint = PerJoint("diagonal of K_p", "N·m/rad", above=0.0)
     kd: PerJoint = PerJoint("diagonal of K_d", "N·m·s/rad", above=0.0)

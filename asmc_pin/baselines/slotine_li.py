@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
@@ -45,6 +46,13 @@ class SlotineLi(ModelLaw):
     title: ClassVar[str] = "adaptive control after Slotine and Li"
     equation: ClassVar[str] = "τ = Y(q, q̇, q̇_r, q̈_r) θ̂ + K_d s;  dθ̂/dt = γ Yᵀ s;  q̇_r = q̇_d + K_s e"
     reference: ClassVar[str] = "Slotine, Li (1987), Int. J. Robotics Research 6(3), 10.1177/027836498700600303"
+    oracle: ClassVar[str] = "Y θ = M q̈_r + C q̇_r + g to round-off; V = ½sᵀMs + ½θ̃ᵀθ̃/γ rises by order L at most, sampled"
+    claim: ClassVar[str] = "s goes to 0 whatever the parameters begin with."
+    fails: ClassVar[str] = (
+        "Friction is not in the regressor: it is learned into inertial parameters, which then "
+        "drift; held torque bounds k_d by 2m/L."
+    )
+    typical: ClassVar[Mapping[str, float]] = {"ks": 8.0, "kd": 10.0, "rate": 0.1}
 
     ks: PerJoint = PerJoint("diagonal of K_s", "1/s", above=0.0)
     kd: PerJoint = PerJoint("diagonal of K_d", "N·m·s/rad", above=0.0)

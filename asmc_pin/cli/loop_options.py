@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+from collections.abc import Collection
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
@@ -63,15 +64,41 @@ SetOption: TypeAlias = Annotated[
 ]
 
 
+SHARED = ("mbar", "ks", "beta", "period", "acceleration", "filter_hz", "pairing")
+"""Parameters that every law has, and that options of their own give."""
+
+
 def law_of(name: str | None, settings: list[str] | None, **shared: Any) -> TdeLaw | None:
     """The law that --law and --set name, with the loop's own values; None for PPC."""
+    values = settings_of(name, settings, shared)
     if name is None:
-        if settings:
-            raise ParameterError("--set", f"{settings[0]!r} given without --law; say which law it is for")
         return None
     from asmc_pin.controllers import CONTROLLERS
     from asmc_pin.parameters import REQUIRED, parameters_of
 
+    known = parameters_of(CONTROLLERS[name])
+    absent = [key for key, item in known.items() if item.default is REQUIRED and key not in {*shared, *values}]
+    if absent:
+        raise ParameterError("--set", f"'{name}' needs {absent[0]}; give --set {absent[0]}=VALUE")
+    return CONTROLLERS[name](**shared, **values)
+
+
+def settings_of(name: str | None, settings: list[str] | None, shared: Collection[str] = SHARED) -> dict[str, Any]:
+    """The parameters of a law's own that --set gives; those of every law are given otherwise."""
+    if name is None:
+        if settings:
+            raise ParameterError("--set", f"{settings[0]!r} given without --law; say which law it is for")
+        return {}
+    from asmc_pin.baselines import BASELINES
+    from asmc_pin.controllers import CONTROLLERS
+    from asmc_pin.parameters import parameters_of
+
+    if name in BASELINES:
+        raise ParameterError(
+            "--law",
+            f"'{name}' computes with a model of the arm: its loop follows from how good that model is, and has no map "
+            "in M̄, K_s and β; run it with 'asmc-pin compare'",
+        )
     if name not in CONTROLLERS:
         near = difflib.get_close_matches(name, CONTROLLERS, n=1)
         said = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(CONTROLLERS)}"
@@ -82,11 +109,7 @@ def law_of(name: str | None, settings: list[str] | None, **shared: Any) -> TdeLa
         if key not in known or key in shared:
             own = [key for key in known if key not in shared]
             raise ParameterError("--set", f"'{name}' has no parameter '{key}' of its own; it has {', '.join(own)}")
-    values = {key: _value(known[key], text, f"--set {key}") for key, text in given.items()}
-    absent = [key for key, item in known.items() if item.default is REQUIRED and key not in {*shared, *values}]
-    if absent:
-        raise ParameterError("--set", f"'{name}' needs {absent[0]}; give --set {absent[0]}=VALUE")
-    return CONTROLLERS[name](**shared, **values)
+    return {key: _value(known[key], text, f"--set {key}") for key, text in given.items()}
 
 
 def _value(item: Parameter[Any, Any], text: str, option: str) -> Any:

@@ -50,6 +50,7 @@ class Bsmc(TdeLaw):
     oracle: ClassVar[str] = "inside the layer it is PPC with β + K/Φ: a drifting load leaves s = L ḣ/(m̄(β + K/Φ))"
     claim: ClassVar[str] = "Inside the boundary layer the torque is continuous; outside |s| falls where K > |N|."
     fails: ClassVar[str] = "K/Φ is a gain: too much of it is unstable, which `asmc-pin stability --law bsmc` tells."
+    band_remedy: ClassVar[str] = "widen Φ or lower K"
     typical: ClassVar[Mapping[str, float | str]] = {"gain": 5.0, "boundary": 0.1}
 
     gain: PerJoint = PerJoint("K", "rad/s²", at_least=0.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -72,7 +72,7 @@ class LawCard:
         seen = [name for name in ("q", "v", "torque") if name in self.reads]
         short = {"q": "q", "v": "q̇", "torque": "τ(t−L)", "q_ref": "q_d", "v_ref": "q̇_d", "a_ref": "q̈_d"}
         left = [", ".join(short[name] for name in names) for names in (told, seen)]
-        inside = [self.name, f"remembers {', '.join(self.remembers)}"]
+        inside = [self.name, f"remembers {', '.join(self.remembers) or 'nothing'}"]
         wide, deep = max(map(_width, left)), max(map(_width, inside))
         lines = [f"{' ' * wide}    ┌{'─' * (deep + 2)}┐"]
         for text, held, out in zip(left, inside, ("──> τ", ""), strict=True):
@@ -106,22 +106,35 @@ class LawCard:
 
 def law_card(name: str, law: type[TdeLaw]) -> LawCard:
     """The card of a law of the package, with the values that it suggests."""
-    made = suggested(law)
-    own = {key: item for key, item in parameters_of(law).items() if key not in parameters_of(TdeLaw)}
-    state = made.init(Sample(*(np.zeros((1, 1)) for _ in range(3))))
+    return card_of(name, suggested(law), 1, parameters_of(TdeLaw))
+
+
+def card_of(name: str, made: Any, nv: int, shared: Collection[str]) -> LawCard:
+    """The card of a law, one that knows a model too.
+
+    Args:
+        name: Its name in experiments.
+        made: The law with the values that its class suggests.
+        nv: Number of joints to ask it about.
+        shared: Names of the parameters that are not its own.
+    """
+    law = type(made)
+    own = {key: item for key, item in parameters_of(law).items() if key not in shared}
+    state = made.init(Sample(*(np.zeros((1, nv)) for _ in range(3))))
     gain = "and k̂, as `gain`" if hasattr(state, "gain") else "no gain"
+    s = "s = ė + K_s e of (4)" if hasattr(made, "ks") else "no s"
     return LawCard(
         name,
         law.title,
         law.equation,
         tuple(_parameter(item, law) for item in own.values()),
-        tuple(reads_of(made)),
+        tuple(reads_of(made, nv)),
         tuple(_names(state)),
         law.oracle,
         law.claim,
         law.fails,
         law.reference,
-        f"s = ė + K_s e of (4); {gain}",
+        f"{s}; {gain}",
     )
 
 
@@ -130,17 +143,19 @@ def suggested(law: type[TdeLaw], **shared: Any) -> TdeLaw:
     return law(**{**SHARED, **shared, **law.typical})
 
 
-def reads_of(law: Any) -> list[str]:
+def reads_of(law: Any, nv: int = 1) -> list[str]:
     """Keys of `READ` that reach the torque of a law from the second tick on, found by changing one after the other."""
     rng = np.random.default_rng(3)
-    ticks = 0.1 * rng.standard_normal((6, 6, 1, 1))
+    ticks = 0.1 * rng.standard_normal((6, 6, 1, nv))
     usual = _torques(law, ticks)
     found = []
     for i, name in enumerate(READ):
-        changed = ticks.copy()
-        changed[2:, i] += 0.05
-        if not np.array_equal(_torques(law, changed), usual):
-            found.append(name)
+        for change in (0.05, 50.0):  # a little, and beyond what a law may take for round-off or a limit
+            changed = ticks.copy()
+            changed[2:, i] += change
+            if not np.array_equal(_torques(law, changed), usual):
+                found.append(name)
+                break
     return found
 
 
@@ -163,11 +178,11 @@ def _torques(law: Any, ticks: Any) -> Any:
     torques = []
     for tick in ticks:
         torque, state = law.step(state, Sample(*tick[:3]), Setpoint(*tick[3:]))
-        torques.append(torque.item())
+        torques.append(torque[0])
     return np.array(torques)
 
 
-def _parameter(item: Parameter[Any, Any], law: type[TdeLaw]) -> CardParameter:
+def _parameter(item: Parameter[Any, Any], law: Any) -> CardParameter:
     value = law.typical.get(item.name)
     shown: Callable[[Any], str] = lambda x: f"{x:g}" if isinstance(x, float) else str(x)  # noqa: E731
     if value is not None:
@@ -179,7 +194,9 @@ def _parameter(item: Parameter[Any, Any], law: type[TdeLaw]) -> CardParameter:
 
 def _names(state: Any) -> list[str]:
     """Names of the arrays of a state, those of nested ones in their place."""
-    found = []
+    found: list[str] = []
+    if state is None:
+        return found
     for name, part in zip(state._fields, state, strict=True):
         if isinstance(part, tuple):
             found += _names(part)

@@ -121,6 +121,12 @@ class TdeLaw(CompiledLaw):
     """Values of its own parameters to begin with: they hold two_link, ur5 and panda at 1 kHz, K_s = β = 8."""
     estimates: ClassVar[bool] = True
     """Whether its load estimate is Γ̂ of (6), low-passed with `estimate_weight` or not; the monitors' N needs it."""
+    band_remedy: ClassVar[str] = "lower its own gains"
+    """What helps where the loop is unstable inside the band in which the law is linear."""
+    linear_with: ClassVar[str] = ""
+    """With what values a law that is not linear near its set point would be; empty where with none."""
+    separates: ClassVar[bool] = False
+    """Whether M̄⁻¹τ depends on M̄ through M̄⁻¹ of the reported torque alone, so that modes of M⁻¹M̄ separate."""
     theorem1: ClassVar[bool] = False
     """Whether Lemma 2, (16) and Theorem 1 are proved for it: it adapts by (11), with φ, α, ε and a threshold."""
 
@@ -190,6 +196,11 @@ class TdeLaw(CompiledLaw):
     def boundary_slope(self) -> Array | None:
         """dw/ds inside a boundary layer, where it acts as so much more β, a scalar or (nv,), 1/s; None without one."""
         return None
+
+    @property
+    def resting_slope(self) -> Any:
+        """dw/ds near the set point while nothing moves, a scalar or (nv,), 1/s: so much more β to a drifting load."""
+        return 0.0 if self.boundary_slope is None else self.boundary_slope
 
     def for_joints(self, nv: int) -> Self:
         """The same law with every per-joint parameter of shape (nv,).

@@ -26,7 +26,8 @@ _LONGEST = 20_000
 def drift_error(loop: SampledLoop, drift: ArrayLike) -> Array:
     r"""Steady error under a load torque that drifts at a constant rate, e = (1 + d) L M̄⁻¹ḣ / (β K_s).
 
-    (3/2 + d) L where two torques are averaged.
+    (3/2 + d) L where two torques are averaged, (1/c + d) L where a law low-passes its whole estimate with weight c; β
+    is more by the slope of a law's own term.
 
     In the steady state (7) adds M̄βK_s e to the torque last reported, and the load has grown by (1 + d)L ḣ since then;
     by half a period more since the mean of the last two.
@@ -39,7 +40,7 @@ def drift_error(loop: SampledLoop, drift: ArrayLike) -> Array:
     Returns:
         e = q_d − q, shape (..., nv), rad; positive where the load grows against positive motion.
     """
-    return np.asarray(loop.torque_age * loop.period * np.asarray(drift) / (loop.mbar * loop.kp))
+    return np.asarray(loop.torque_age * loop.period * np.asarray(drift) / (loop.mbar * loop.resting_beta * loop.ks))
 
 
 @dataclass(frozen=True)

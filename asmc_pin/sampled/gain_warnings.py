@@ -135,7 +135,7 @@ def _about_band(label: str, loop: SampledLoop, searched: Sequence[_Searched]) ->
         return ""
     return (
         f"{label}: inside its band, where the law is linear, the sampled loop is unstable (spectral radius "
-        f"{radius:.4f} {where.place}at q = {_angles(q)} rad), so expect chatter; widen the band or lower its share"
+        f"{radius:.4f} {where.place}at q = {_angles(q)} rad), so expect chatter; {loop.law.band_remedy}"
     )
 
 

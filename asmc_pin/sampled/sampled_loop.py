@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, get_args
 
 import numpy as np
@@ -86,12 +86,19 @@ class SampledLoop:
             if not (_is_number(getattr(self, name)) and getattr(self, name) >= 0.0):
                 raise ParameterError(name, f"got {getattr(self, name)!r}; expected a number of periods, 0 or more")
 
-        if self.law is not None and linear_form(self.law, self.nv) is None:
+        if self.law is not None and not _linear_near(self.law, self.nv):
+            hint = getattr(self.law, "linear_with", "")
             raise ParameterError(
                 "law",
-                f"'{law_name(self.law)}' is not linear near its set point, it switches; of its loop only that of "
-                "PPC can be analysed, which is what stands there without a law",
+                f"'{law_name(self.law)}' is not linear near its set point"
+                + (f"; with {hint} it is" if hint else ", it switches")
+                + "; else of its loop only that of PPC can be analysed, which is what stands there without a law",
             )
+
+    @cached_property
+    def tuned_law(self) -> Any:
+        """The law with the loop's M̄, K_s, β and period; None for PPC."""
+        return None if self.law is None else self.law.with_loop(self.mbar, self.ks, self.beta, self.period)
 
     @cached_property
     def form(self) -> LinearForm:
@@ -100,8 +107,7 @@ class SampledLoop:
         Raises:
             ParameterError: it does not take these values, or is not linear with them.
         """
-        law = self.law.with_loop(self.mbar, self.ks, self.beta, self.period)
-        form = linear_form(law, self.nv) or linear_form(law, self.nv, NEARER)
+        form = _form_at(self.law, *(x.tobytes() for x in (self.mbar, self.ks, self.beta)), self.period)
         if form is None:
             raise ParameterError("law", f"'{law_name(self.law)}' is not linear near its set point with these values")
         return form
@@ -174,9 +180,15 @@ class SampledLoop:
     def torque_age(self) -> float:
         """Age of the torque that a new one starts from, middle of its time to middle of its time, in periods.
 
-        1 + d, and ½ more for the mean of two.
+        1 + d, and ½ more for the mean of two; with a low-pass of weight c on the whole estimate 1/c in the place of 1.
         """
-        return 1.0 + self.delay + (0.5 if self.averages_torque else 0.0)
+        weight = 1.0 if self.law is None else float(self.tuned_law.estimate_weight)
+        return 1.0 / weight + self.delay + (0.5 if self.averages_torque else 0.0)
+
+    @property
+    def resting_beta(self) -> Array:
+        """β, and what a law adds to it near the set point while nothing moves, shape (nv,), 1/s."""
+        return self.beta if self.law is None else self.beta + np.asarray(self.tuned_law.resting_slope)
 
     @property
     def undamped_delay(self) -> float:
@@ -207,12 +219,16 @@ class SampledLoop:
     def modal(self) -> bool:
         """Whether one mode at a time suffices: K_s and β are multiples of the identity."""
         alike = np.all(self.ks == self.ks[0]) and np.all(self.beta == self.beta[0])
-        return bool(alike and self.law is None)
+        return bool(alike and (self.law is None or (self.law.separates and _alike(self.law))))
 
     @property
     def mode(self) -> SampledLoop:
         """The loop of a single mode, with M̄ = 1; the mode's inertia is then 1/a."""
-        return replace(self, mbar=np.ones(1), ks=self.ks[:1], beta=self.beta[:1])
+        one, ks, beta = np.ones(1), self.ks[:1], self.beta[:1]
+        law = self.law
+        if law is not None and law.nv is not None:
+            law = law.with_loop(one, ks, beta, self.period)
+        return replace(self, mbar=one, ks=ks, beta=beta, law=law)
 
 
 def positive_per_joint(name: str, value: ArrayLike, nv: int, unit: str) -> Array:
@@ -226,6 +242,26 @@ def positive_per_joint(name: str, value: ArrayLike, nv: int, unit: str) -> Array
         raise ParameterError(name, f"got {spread.tolist()}; every value must be finite and positive ({unit})")
     spread.flags.writeable = False
     return spread
+
+
+def _alike(law: Any) -> bool:
+    """Whether no parameter of a law's own is given joint by joint."""
+    own = [name for name in parameters_of(type(law)) if name not in parameters_of(TdeLaw)]
+    return all(np.ndim(getattr(law, name)) == 0 for name in own)
+
+
+@lru_cache(maxsize=2048)
+def _form_at(law: Any, mbar: bytes, ks: bytes, beta: bytes, period: float) -> LinearForm | None:
+    """The form of a law with these values; loops that differ in their delay share it."""
+    tuned = law.with_loop(*(np.frombuffer(values) for values in (mbar, ks, beta)), period)
+    nv = len(mbar) // np.dtype(np.float64).itemsize
+    return linear_form(tuned, nv) or linear_form(tuned, nv, NEARER)
+
+
+@lru_cache(maxsize=64)
+def _linear_near(law: Any, nv: int) -> bool:
+    """Whether a law is linear near its set point; a search asks it of the same one over and over."""
+    return linear_form(law, nv) is not None
 
 
 def law_name(law: Any) -> str:

@@ -9,14 +9,19 @@ from typing import Any
 
 import numpy as np
 import pytest
+from law_oracles import run
 from plant_cases import Waving
 
 from asmc_pin.arms import Arm, load_arm
+from asmc_pin.baselines import BASELINES
+from asmc_pin.baselines.model_card import model_card, suggested_model_law
 from asmc_pin.cli import main
 from asmc_pin.controllers import CONTROLLERS
 from asmc_pin.controllers.law_card import law_card, suggested
 from asmc_pin.engine import rollout
 from asmc_pin.plant import Friction, Plant
+from asmc_pin.sampled.gain_warnings import gain_warnings
+from asmc_pin.sampled.stable_ratios import stable_ratios, stable_words
 
 ARMS: dict[str, tuple[dict[str, Any], list[float], list[float]]] = {
     "two_link": ({}, [0.04, 0.03], [-1.2, 0.3]),
@@ -47,9 +52,52 @@ def test_what_a_card_suggests_follows_a_motion_of_three_arms_under_friction(name
     _, mbar, start = ARMS[arm]
     law = suggested(CONTROLLERS[name], mbar=mbar)
     plant = Plant(arm_of(arm), friction=Friction(1.0, 0.3), effort_limit=np.inf)
-    run = rollout(plant, law, Waving(np.array(start), amplitude=0.2), 1.5)
-    assert run.status == ("ok",)
-    assert np.abs(run.q_ref - run.q[0]).max() < 0.05
+    seen = rollout(plant, law, Waving(np.array(start), amplitude=0.2), 1.5)
+    assert seen.status == ("ok",)
+    assert np.abs(seen.q_ref - seen.q[0]).max() < 0.05
+
+
+@pytest.mark.parametrize("arm", ARMS)
+@pytest.mark.parametrize("name", BASELINES)
+def test_what_a_card_of_a_law_with_a_model_suggests_follows_a_motion_of_three_arms(name: str, arm: str) -> None:
+    law = suggested_model_law(name, arm_of(arm))
+    plant = Plant(arm_of(arm), friction=Friction(1.0, 0.3), effort_limit=np.inf)
+    seen = rollout(plant, law, Waving(np.array(ARMS[arm][2]), amplitude=0.2), 1.5)
+    assert seen.status == ("ok",)
+    assert np.abs(seen.q_ref - seen.q[0]).max() < 0.1
+
+
+@pytest.mark.parametrize("name", BASELINES)
+def test_a_card_of_a_law_with_a_model_is_complete_and_says_what_it_reads(name: str) -> None:
+    card = model_card(name)
+    assert all((card.equation, card.oracle, card.claim, card.fails, card.source))
+    assert {"q", "v", "q_ref", "v_ref"} <= set(card.reads)
+    assert ("torque" in card.reads) is (name == "slotine_li")  # what it was given says whether a limit was reached
+    assert ("a_ref" in card.reads) is (name != "pd_gravity")
+    assert ("remembers nothing" in card.diagram()[2]) is (name != "slotine_li")
+    assert not [item for item in card.parameters if item.typical == "required"]
+
+
+@pytest.mark.parametrize("arm", ARMS)
+def test_what_a_card_suggests_is_stable_over_the_workspace_of_three_arms(arm: str) -> None:
+    laws = {name: suggested(law, mbar=ARMS[arm][1]) for name, law in CONTROLLERS.items()}
+    assert gain_warnings(arm_of(arm), laws) == []
+
+
+@pytest.mark.parametrize("name", ["implicit", "dob", "adrc", "ppc"])
+def test_the_limits_of_a_card_are_where_the_plant_becomes_unstable(name: str) -> None:
+    law = suggested(CONTROLLERS[name], mbar=1.0)
+    found = stable_ratios(law)
+    assert found is not None
+    for ratio, stable in ((0.98 * found[1], True), (1.03 * found[1], False)):
+        trace = run(law, 1.0 / ratio, ticks=1200, load=np.zeros((1200, 1)), kicks=0.0, start=(1e-9, 1e-9))
+        size = np.abs(trace.a[:, 0])
+        assert bool(size[-200:].max() < size[200:400].max()) == stable
+
+
+def test_the_limits_of_a_law_that_switches_are_those_of_the_ppc_in_it() -> None:
+    ppc, ism = (stable_words(suggested(CONTROLLERS[name])) for name in ("ppc", "ism"))
+    assert ism == f"near its set point it switches; the PPC in it is {ppc}"
 
 
 def test_a_card_says_what_reaches_the_torque_and_what_is_remembered() -> None:

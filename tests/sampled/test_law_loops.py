@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,12 +13,14 @@ from law_settings import HELD
 
 from asmc_pin.arms import load_arm
 from asmc_pin.cli import main
-from asmc_pin.controllers import CONTROLLERS, Adrc, Barrier, Dob, Implicit, Ism, Ivf, Pid, Ppc, Sta
+from asmc_pin.controllers import CONTROLLERS, Adrc, Barrier, Bsmc, Dob, Implicit, Ism, Ivf, Pid, Ppc, Sta
 from asmc_pin.controllers.linear_form import linear_form, linear_throughout
 from asmc_pin.errors import ParameterError
 from asmc_pin.sampled import SampledLoop, closed_loop, stability
+from asmc_pin.sampled.error_prediction import drift_error
 from asmc_pin.sampled.gain_warnings import gain_warnings
 from asmc_pin.sampled.law_loops import law_loops
+from asmc_pin.sampled.linear_map import inertia_ratios, modal_radius
 
 GAINS = {"ks": 12.0, "beta": 9.0, "period": 1e-3}
 KINDS = {
@@ -155,6 +158,7 @@ def test_an_experiments_laws_have_their_own_loops_and_bands() -> None:
     said = gain_warnings(arm, laws, box={"slide0": (-1.0, 1.0)})
     assert len(said) == 1
     assert said[0].startswith("Steep: inside its band")
+    assert said[0].endswith("lower its share λ")
 
 
 def test_the_command_line_takes_a_law_with_its_parameters(capfd: pytest.CaptureFixture[str]) -> None:
@@ -174,7 +178,10 @@ def test_the_command_line_takes_a_law_with_its_parameters(capfd: pytest.CaptureF
         (["--law", "dob", "--set", "cutoff=3"], "has no parameter 'cutoff'"),
         (["--set", "cutoff_hz=3"], "without --law"),
         (["--law", "ism", "--set", "gain=1"], "it switches"),
-        (["--law", "dob", "--set", "cutoff_hz=100", "--certify"], "asmc-pin verify ARM --mbar"),
+        (["--law", "dob", "--set", "cutoff_hz=100", "--certify"], "asmc-pin verify two_link --mbar 0.0233"),
+        (["--law", "adrc", "--set", "observer_hz=100", "--certify"], "not of that of adrc"),
+        (["--law", "slotine_li"], "computes with a model of the arm"),
+        (["--law", "ntsm", "--set", "stiffness=8", "--set", "gain=1", "--set", "boundary=0.1"], "exponent = 1"),
     ):
         status, out, said = asked(*wrong)
         assert (status, out) == (2, "")
@@ -196,3 +203,66 @@ def test_an_unstable_loop_of_a_law_with_a_band_or_a_bound_has_a_remedy(name, set
     report = stability(load_arm("two_link"), 0.05, 8.0, 8.0, 0.001, law=law)
     assert not report.stable
     assert "remedy:" in "\n".join(report.lines())
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        Dob(mbar=1.0, cutoff_hz=40.0, **GAINS),
+        Implicit(mbar=1.0, gain=20.0, share=0.3, **GAINS),
+        Bsmc(mbar=1.0, gain=2.0, boundary=0.1, **GAINS),
+    ],
+    ids=lambda law: type(law).__name__,
+)
+@pytest.mark.parametrize("delay", [0.0, 1.0])
+def test_the_error_under_a_drifting_load_is_that_of_the_laws_own_map(law: Any, delay: float) -> None:
+    """z_k = z₀ + k z₁ with z₁ = F z₁ + Bḣ L and z₀ = F z₀ − z₁: and joints that do not couple, however full M is."""
+    a = np.random.default_rng(0).standard_normal((3, 3))
+    mass = a @ a.T + np.eye(3)
+    loop = SampledLoop([0.3, 0.2, 0.4], 12.0, 9.0, 1e-3, law=law, delay=delay)
+    system = closed_loop(mass, loop)
+    rest = np.eye(len(system.matrix)) - system.matrix
+    steady = -np.linalg.solve(rest, -np.linalg.solve(rest, 1e-3 * system.load))[system.blocks["q"]]
+    assert steady == pytest.approx(np.diag(drift_error(loop, np.ones(3))), rel=1e-6, abs=1e-12)
+    assert loop.modal is law.separates
+    if loop.modal:
+        one_by_one = modal_radius(inertia_ratios(mass, loop.mbar), loop).max()
+        assert one_by_one == pytest.approx(system.spectral_radius(), abs=1e-10)
+
+
+def test_along_an_experiment_the_condition_of_a_low_passed_estimate_is_that_on_c_mbar(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "low.toml"
+    file.write_text(
+        """name = "low"
+arm = "two_link"
+period = 0.001
+duration = 0.1
+[reference]
+kind = "multisine"
+offset = [-1.2, 0.3]
+amplitude = [0.4, 0.6]
+frequency = [0.5, 0.7]
+[defaults]
+mbar = [0.08, 0.05]
+ks = 8.0
+beta = 8.0
+[controllers.PPC]
+law = "ppc"
+[controllers.DOB]
+law = "dob"
+cutoff_hz = 50.0
+"""
+    )
+    with pytest.raises(SystemExit) as end:
+        main(["verify", "two_link", "--mbar", "0.08,0.05", "--along", str(file), "--json"])
+    found = json.loads(capfd.readouterr().out)
+    assert end.value.code == 1
+    assert found["verdict"] == "violated"
+    low = found["low_passed"]["DOB"]
+    assert set(found["low_passed"]) == {"DOB"}
+    assert low["weight"] == pytest.approx(1.0 - np.exp(-2.0 * np.pi * 50.0 * 1e-3))
+    assert low["mbar"] == pytest.approx(low["weight"] * np.array([0.08, 0.05]))
+    assert low["verdict"] == "unrefuted"
+    assert low["lower"] < 1.0

@@ -11,6 +11,7 @@ from asmc_pin.cli import interrupt
 from asmc_pin.cli.app import MBAR, app
 from asmc_pin.cli.console import note, print_json, progress_bar, rich_console, say
 from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
+from asmc_pin.cli.low_passed_condition import low_passed_conditions
 from asmc_pin.cli.next_step import again, say_next
 from asmc_pin.cli.options import (
     ArmArgument,
@@ -82,14 +83,18 @@ def verify(
     if along is not None:
         options |= {"along": _motion(along, loaded), "tube_width": tube}
     found = run(loaded, values, **domain, **options)
+    low_passed = low_passed_conditions(options.get("along"), loaded, **domain, **options)
     if certify:
         options.pop("samples", None)
         found = prove(loaded, values, found, certificate, gap=gap, budget=budget, **domain, **options)
     write_page(found, loaded, page)
     if as_json:
-        print_json(found.to_json_dict())
+        others = {item.label: item.to_json_dict() for item in low_passed}
+        print_json(found.to_json_dict() | ({"low_passed": others} if others else {}))
     else:
         print_verdict(found)
+        for item in low_passed:
+            say(item.line())
         _print_tde_error(options.get("along"), loaded, values)
         _say_next(context, found.verdict, proves=along is None or tube is not None, budget=budget)
     raise typer.Exit(EXIT[found.verdict])

@@ -12,7 +12,14 @@ from asmc_pin.cli.app import MBAR, app
 from asmc_pin.cli.commands.condition_commands import EXIT, check_proof_options, prove, report_path, write_page
 from asmc_pin.cli.console import note, print_json, progress_bar, say
 from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
-from asmc_pin.cli.loop_options import AccelerationOption, DelayOption, FilterOption, loop_proof_of
+from asmc_pin.cli.loop_options import (
+    AccelerationOption,
+    DelayOption,
+    FilterOption,
+    SetOption,
+    loop_proof_of,
+    settings_of,
+)
 from asmc_pin.cli.next_step import SENSED, again, say_next
 from asmc_pin.cli.options import (
     ArmArgument,
@@ -72,6 +79,11 @@ def design(
     period: Annotated[str | None, typer.Option(metavar="S", help="Control period for --gains.")] = None,
     gain_margin: Annotated[float, typer.Option(help="Factor by which the torque gain may be off, for --gains.")] = 2.0,
     delay_margin: Annotated[float, typer.Option(help="Delay that may come on top, periods, for --gains.")] = 1.0,
+    law: Annotated[
+        str | None,
+        typer.Option(metavar="dob|implicit", help="For --gains: the law to choose for, and what it is worth over ppc."),
+    ] = None,
+    settings: SetOption = None,
     coulomb: Annotated[
         str | None,
         typer.Option(metavar="C1,C2,…", help="Coulomb friction for the prediction, N·m; the URDF's if omitted."),
@@ -116,6 +128,9 @@ def design(
         raise ParameterError("--gains", "needs the control period: add --period 0.001, in seconds")
     if noise_budget is not None and not gains:
         raise ParameterError("--noise-budget", "is for gains: add --gains and --period")
+    if (law is not None or settings) and not gains:
+        raise ParameterError("--law" if law is not None else "--set", "is for gains: add --gains and --period")
+    own = settings_of(law, settings)
     limits, ranges = parse_bounds(bounds), parse_box(box)
     allowed = None if noise_budget is None else per_joint(noise_budget, "--noise-budget")
     length = None if period is None else number(period, "--period")
@@ -174,6 +189,8 @@ def design(
             gain_margin=gain_margin,
             delay_margin=delay_margin,
             coulomb=losses,
+            law=law,
+            settings=own,
             box=ranges,
             **domain,
         )

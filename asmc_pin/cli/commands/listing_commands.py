@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from dataclasses import asdict
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -81,16 +81,31 @@ def controllers(
     from asmc_pin.controllers import CONTROLLERS
     from asmc_pin.controllers.law_card import cost_per_tick, law_card, suggested
 
-    if name not in CONTROLLERS:
-        if name in BASELINES:
-            raise ParameterError("NAME", f"'{name}' knows the model and has no card: docs/controllers.md has it")
-        near = difflib.get_close_matches(name, CONTROLLERS, n=1)
-        said = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(CONTROLLERS)}"
+    law: Any
+    if name in BASELINES:
+        from asmc_pin.arms import load_arm
+        from asmc_pin.baselines.model_card import ASKED, LIMITS, model_card, suggested_model_law
+
+        arm = load_arm(ASKED)
+        card, limits, law, joints = model_card(name), LIMITS, suggested_model_law(name, arm), arm.nv
+    elif name in CONTROLLERS:
+        from asmc_pin.sampled.stable_ratios import stable_words
+
+        law, joints = suggested(CONTROLLERS[name]), 6
+        card, limits = law_card(name, CONTROLLERS[name]), stable_words(law)
+    else:
+        known = [*CONTROLLERS, *BASELINES]
+        near = difflib.get_close_matches(name, known, n=1)
+        said = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known)}"
         raise ParameterError("NAME", f"there is no card of a law '{name}': {said}")
-    card = law_card(name, CONTROLLERS[name])
-    costs = {batch: 1e6 * cost_per_tick(suggested(CONTROLLERS[name]), batch) for batch in (1, 256)}
+    costs = {batch: 1e6 * cost_per_tick(law, batch, joints) for batch in (1, 256)}
     if as_json:
-        print_json({**asdict(card), "microseconds": {str(batch): cost for batch, cost in costs.items()}})
+        figures = {str(batch): cost for batch, cost in costs.items()}
+        print_json({**asdict(card), "limits": limits, "microseconds": figures})
         return
-    said = " and ".join(f"{cost:.2g} µs at batch {batch}" for batch, cost in costs.items())
-    say(*card.lines(), f"Cost of a step per tick and trial of six joints, here and now: {said}")
+    said = " and ".join(f"{cost:.3g} µs at batch {batch}" for batch, cost in costs.items())
+    say(
+        *card.lines(),
+        f"Limits: {limits}",
+        f"Cost of a step per tick and trial of {joints} joints, here and now: {said}",
+    )

@@ -45,9 +45,10 @@ from asmc_pin.cli.sensor_options import (
     VelocityOption,
     sensor_of,
 )
+from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
-    from asmc_pin.sampled import StabilityReport
+    from asmc_pin.sampled import SampledLoop, StabilityReport
 
 
 @app.command(rich_help_panel=MBAR)
@@ -138,6 +139,8 @@ def stability(
         box=ranges,
         **domain,
     )
+    if certify and chosen is not None:
+        _refuse_proof(context, found.loop)
     if certify:
         found = replace(
             found, proof=loop_proof_of(loaded, found.loop, certificate, budget=budget, box=ranges, **domain)
@@ -177,3 +180,20 @@ def _say_next(context: typer.Context, found: StabilityReport, *, law: str | None
         say_next("a proof", again(context, "stability", "--certify", also=asked))
     else:
         say_next("an experiment to put these gains into", "asmc-pin new mine.toml --from demo")
+
+
+def _refuse_proof(context: typer.Context, loop: SampledLoop) -> None:
+    """Say what can be proven of a law other than PPC, with the command that does it.
+
+    Raises:
+        ParameterError: Always; no proof is made of such a loop.
+    """
+    from asmc_pin.sampled.proof.loop_certificate import not_plain
+
+    said = not_plain(loop)
+    assert said is not None
+    if not loop.law.estimates:
+        raise ParameterError("--certify", said[1])
+    condition_on = ",".join(f"{value:.10g}" for value in loop.tuned_law.estimate_weight * loop.mbar)
+    command = again(context, "verify", "--mbar", condition_on, "--certify", also=("budget",))
+    raise ParameterError("--certify", f"{said[1]}: {command}")

@@ -81,7 +81,7 @@ class Adrc(TdeLaw):
     oracle: ClassVar[str] = "the observer's error obeys (z − z_o)³ = 0; deadbeat its load is the mean of the last two"
     claim: ClassVar[str] = "A load is estimated and taken out from position alone."
     fails: ClassVar[str] = "A slow observer adds lag to the velocity too: K_s + β has to stay well below 2πf."
-    typical: ClassVar[Mapping[str, float | str]] = {"observer_hz": 60.0}
+    typical: ClassVar[Mapping[str, float | str]] = {"observer_hz": 100.0}
 
     observer_hz: Scalar = Scalar("bandwidth of the observer; inf for a deadbeat one", "Hz", above=0.0, infinite=True)
 

@@ -71,6 +71,7 @@ class Dob(TdeLaw):
         "The condition on M̄ is that on cM̄, so that stiffness and bandwidth of the estimate are chosen apart."
     )
     fails: ClassVar[str] = "A low corner follows the load late: under a drifting load the error is that of PPC over c."
+    separates: ClassVar[bool] = True
     typical: ClassVar[Mapping[str, float | str]] = {"cutoff_hz": 50.0}
 
     cutoff_hz: Scalar = Scalar("corner of the low-pass on Γ̂; inf for none", "Hz", above=0.0, infinite=True)

@@ -62,6 +62,7 @@ class Barrier(TdeLaw):
     oracle: ClassVar[str] = "|s|/ε = n/(1 + n), n = |N| − β|s|, under a load that stands"
     claim: ClassVar[str] = "|s| < ε once it is reached, without a gain that is larger than needed."
     fails: ClassVar[str] = "Sampled it is false unless U, L and ε fit: a period moves s by up to g(U + |N|)."
+    band_remedy: ClassVar[str] = "widen its ε (width)"
     typical: ClassVar[Mapping[str, float | str]] = {"width": 0.05, "limit": 20.0}
 
     width: Scalar = Scalar("ε", "rad/s", above=0.0)

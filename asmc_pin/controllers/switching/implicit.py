@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from numpy.typing import ArrayLike
 
@@ -51,7 +51,9 @@ class Implicit(TdeLaw):
         "The band is a gain of λ/L: λ = 1 is unstable at a = 1.5, and barely at a = 0.0114 with K_s = 12, β = 9, "
         "L = 1 ms. Take a smaller λ; `asmc-pin stability --law implicit`."
     )
-    typical: ClassVar[Mapping[str, float | str]] = {"gain": 20.0, "share": 0.2}
+    separates: ClassVar[bool] = True
+    band_remedy: ClassVar[str] = "lower its share λ"
+    typical: ClassVar[Mapping[str, float | str]] = {"gain": 20.0, "share": 0.05}
 
     gain: PerJoint = PerJoint("K", "rad/s²", at_least=0.0)
     share: Scalar = Scalar("λ, the part of the next s that is taken away", above=0.0, at_most=1.0)
@@ -61,3 +63,8 @@ class Implicit(TdeLaw):
         return self.gain, *band_slopes(self, self.share)
 
     trial_step: ClassVar[TrialStep | None] = _step
+
+    @property
+    def resting_slope(self) -> Any:
+        """Slope of λ b/g over s, 1/s; see `TdeLaw.resting_slope`."""
+        return band_slopes(self, self.share)[0]

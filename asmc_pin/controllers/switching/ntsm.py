@@ -78,6 +78,8 @@ class Ntsm(TdeLaw):
         "Near ė = 0 the term |ė|^{2−p} is endlessly steep: sampled, the law chatters there, within the boundary "
         "layer too."
     )
+    linear_with: ClassVar[str] = "exponent = 1 (and |σ| < Φ), where it is PPC with K_s = B,"
+    band_remedy: ClassVar[str] = "lower its B (stiffness) or K (gain), or widen Φ (boundary)"
     typical: ClassVar[Mapping[str, float | str]] = {"stiffness": 8.0, "gain": 2.0, "boundary": 0.05}
 
     exponent: Scalar = Scalar("p", at_least=1.0, below=2.0, default=5.0 / 3.0)

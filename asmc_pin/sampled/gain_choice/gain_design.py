@@ -10,9 +10,10 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.sampled.gain_choice.gain_search import USEFUL, Margins
+from asmc_pin.sampled.gain_choice.law_choice import Bought
 from asmc_pin.sampled.gain_choice.pid_tuning import pid_of
 from asmc_pin.sampled.noise.sensor_noise import NOISE_KEYS
-from asmc_pin.sampled.sampled_loop import SampledLoop
+from asmc_pin.sampled.sampled_loop import SampledLoop, law_name, settings_words
 from asmc_pin.sampled.stability_report import StabilityReport, margin_words
 from asmc_pin.words.shown import Shown
 from asmc_pin.words.text import rounded_up
@@ -64,6 +65,8 @@ class GainDesign(Shown):
         armature: What each joint's armature would have to grow by for k_s of at least `USEFUL` with the margins asked
             for, shape (nv,), kg·m²; None where that is not needed, or not known.
         noise_budget: RMS of torque that the sensor's noise was allowed, shape (nv,), N·m; None for any.
+        law: Name of the law that they are for; empty for PPC.
+        bought: What they are worth against PPC's; None for PPC itself, and where it has none.
         unproven: Why no proof of the loop was tried; empty where one was, or was not asked for.
     """
 
@@ -76,6 +79,8 @@ class GainDesign(Shown):
     armature: Array | None
     noise_budget: Array | None = None
     unproven: str = ""
+    law: str = ""
+    bought: Bought | None = None
 
     @property
     def loop(self) -> SampledLoop:
@@ -137,9 +142,11 @@ class GainDesign(Shown):
             "met": self.met,
             "noise_budget": None if self.noise_budget is None else self.noise_budget.tolist(),
             "noise_met": None if self.noise_budget is None else self.quiet,
-            "pid": None if self.report is None else pid_of(self.loop).to_json_dict(),
+            "pid": None if self.report is None or self.law else pid_of(self.loop).to_json_dict(),
             "proof": {"verdict": "searched", "reason": self.unproven} if self.unproven else stable.get("proof"),
             "useful": self.useful,
+            "law": None if self.report is None else stable.get("law"),
+            "bought": None if self.bought is None else self.bought.to_json_dict(),
             "why": list(self.why),
             "armature_wanted": None if self.armature is None else self.armature.tolist(),
         }
@@ -155,6 +162,8 @@ class GainDesign(Shown):
         low, high = self.asked.gain
         asked = f"torque gain {low:.4g} to {high:.4g}, extra delay {self.asked.delay:.4g} periods"
         mbar = "M̄ = " + ",".join(f"{value:.17g}" for value in self.mbar)
+        if self.law and self.report is None:
+            return [f"{title}: no gains of {self.law} that were tried have these margins: {asked}{self._quiet()}", mbar]
         if self.report is None or self.reached is None or self.expected is None:
             return [
                 f"{title}: no β and k_s are stable, with this M̄ or less of it",
@@ -163,12 +172,16 @@ class GainDesign(Shown):
                 *self._armature_line(),
             ]
         reached = margin_words(self.reached.gain, self.reached.delay, self.unit.period)
+        weight = 1.0 if self.loop.law is None else float(self.loop.law.estimate_weight)
+        share = weight * self.mbar_scale
+        which = "which" if weight == 1.0 else f"of which c = {weight:.4g} times"
         said = [
-            f"{title}: β = {self.loop.beta[0]:.6g} 1/s, k_s = {self.loop.ks[0]:.6g} 1/s, and this M̄, which is "
-            f"{self.mbar_scale:.6g} times the one above and so keeps its condition:"
-            if self.mbar_scale < 1.0
+            f"{title}: β = {self.loop.beta[0]:.6g} 1/s, k_s = {self.loop.ks[0]:.6g} 1/s, and this M̄, {which} is "
+            f"{share:.6g} times the one above and so keeps its condition:"
+            if share < 1.0
             else f"{title}: β = {self.loop.beta[0]:.6g} 1/s, k_s = {self.loop.ks[0]:.6g} 1/s, and this M̄:",
             mbar,
+            *([f"law {law_name(self.loop.law)}: {settings_words(self.loop.law)}"] if self.law else []),
             f"with {self.loop.timing_words()}",
             f"margins, at rest under gravity and of the inertia alone, where searched: {reached}",
         ]
@@ -179,7 +192,11 @@ class GainDesign(Shown):
             said.append(f"of no use: errors die with a time constant of 1/k_s = {constant} s")
         said += [*self._budget_line(), *self.why, *self._armature_line(), *self._proof_lines(), *self.expected.lines()]
         noise = [] if self.report.noise is None else self.report.noise.lines(self.loop)
-        return [*said, *noise, pid_of(self.loop).line(self.loop)]
+        worth = [self.bought.line()] if self.bought is not None else []
+        return [*said, *noise, *([] if self.law else [pid_of(self.loop).line(self.loop)]), *worth]
+
+    def _quiet(self) -> str:
+        return "" if self.noise_budget is None else f", with torque noise up to {_list(self.noise_budget)} N·m"
 
     def _budget_line(self) -> list[str]:
         if self.noise_budget is None:
@@ -200,7 +217,7 @@ class GainDesign(Shown):
         return [*lines, "so of the loop: stable where searched"] if proof.verdict == "undecided" else lines
 
     def _armature_line(self) -> list[str]:
-        if (self.met and self.useful) or self.noise_budget is not None:
+        if (self.met and self.useful) or self.noise_budget is not None or self.law:
             return []
         if self.armature is None:
             return [f"no armature that was tried would allow these margins with k_s of {USEFUL:g} 1/s"]

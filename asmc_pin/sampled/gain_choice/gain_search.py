@@ -22,7 +22,6 @@ USEFUL = 1.0
 
 _SLACK = 1.003  # the search asks for a little more, so that what is found afterwards is what was asked for
 _SLOWEST = 0.1  # 1/s, of k_s: what takes longer than ten seconds to die is not controlled
-_SCALES, _BETAS, _SLOPES = 12, 20, 24
 _ROUNDS = 6
 _QUIET = 30  # loops with margins, the smallest m̄(β + k_s) first, among which the least noise is looked for
 
@@ -74,6 +73,7 @@ class GainSearch:
         largest: Largest scale of M̄.
         least: Smallest; the same where M̄ may not be scaled.
         budget: Noise that the torque may have; None for any.
+        fineness: How many scales of M̄, β and k_s the grid has.
     """
 
     loop: SampledLoop
@@ -81,6 +81,7 @@ class GainSearch:
     largest: float = 1.0
     least: float = 0.05
     budget: NoiseBudget | None = None
+    fineness: tuple[int, int, int] = (12, 20, 24)
 
     def __post_init__(self) -> None:
         """No mode is known yet."""
@@ -152,10 +153,11 @@ class GainSearch:
     def _candidates(self) -> Iterator[SampledLoop]:
         fastest = 1.0 / self.loop.period
         slowest = min(_SLOWEST, 1e-3 * fastest)
-        scales = np.geomspace(self.least, self.largest, _SCALES if self.least < self.largest else 1)
-        betas = np.geomspace(2.0 * slowest, fastest, _BETAS)
+        many, rates, steps = self.fineness
+        scales = np.geomspace(self.least, self.largest, many if self.least < self.largest else 1)
+        betas = np.geomspace(2.0 * slowest, fastest, rates)
         # The map knows β + k_s and βk_s only: k_s ≤ β leaves nothing out.
-        slopes = np.append(np.geomspace(slowest, fastest, _SLOPES), USEFUL)
+        slopes = np.append(np.geomspace(slowest, fastest, steps), USEFUL)
         for scale in scales:
             # Noise grows with k_s too: a β that makes too much with the slowest k_s need not be tried with others.
             some = [beta for beta in betas if self.budget is None or self.budget.keeps(self._at(scale, beta, slowest))]
@@ -167,11 +169,15 @@ class GainSearch:
         n = self.loop.nv
         return replace(self.loop, mbar=self.loop.mbar * scale, beta=np.full(n, beta), ks=np.full(n, ks))
 
-    def _best(self, asked: Margins, ceiling: Rank, least_ks: float) -> SampledLoop | None:
+    def first(self, asked: Margins) -> SampledLoop | None:
+        """The best of the grid on the points at hand: where a search that costs more is worth while."""
+        return self._best(asked, _ANY, 0.0, refined=False)
+
+    def _best(self, asked: Margins, ceiling: Rank, least_ks: float, refined: bool = True) -> SampledLoop | None:
         ranked = [(rank_of(loop, self.loop), i, loop) for i, loop in enumerate(self._candidates())]
         for rank, _, loop in sorted(ranked, reverse=True):
             if rank <= ceiling and loop.ks[0] >= least_ks and self.keeps(loop, asked):
-                return self._refined(loop, asked, ceiling)
+                return self._refined(loop, asked, ceiling) if refined else loop
         return None
 
     def _refined(self, loop: SampledLoop, asked: Margins, ceiling: Rank) -> SampledLoop:
@@ -211,5 +217,6 @@ class GainSearch:
 
 
 def rank_of(loop: SampledLoop, unit: SampledLoop) -> Rank:
-    """What is made as large as possible; useful gains before all others."""
-    return bool(loop.ks[0] >= USEFUL), float(loop.mbar[0] / unit.mbar[0] * loop.kp[0])
+    """What is made as large as possible, in relation to PPC's βk_s under the same M̄; useful gains before all others."""
+    stiffness = loop.ks[0] * loop.resting_beta[0] * unit.torque_age / loop.torque_age
+    return bool(loop.ks[0] >= USEFUL), float(loop.mbar[0] / unit.mbar[0] * stiffness)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,7 @@ from asmc_pin.sampled.frozen_arms import frozen_arms
 from asmc_pin.sampled.gain_choice.gain_design import ExpectedErrors, GainDesign
 from asmc_pin.sampled.gain_choice.gain_search import USEFUL, GainSearch, Margins, rank_of
 from asmc_pin.sampled.gain_choice.hindrances import armature_wanted, hindrances, loudness
+from asmc_pin.sampled.gain_choice.law_choice import Bought, best_of_law, checked_law, law_searches
 from asmc_pin.sampled.gain_choice.noise_budget import NoiseBudget, budget_of, filtered
 from asmc_pin.sampled.loop_analysis import examine, loop_for, spaces_of
 from asmc_pin.sampled.noise.sensor_model import LoopSensor
@@ -48,6 +50,8 @@ def suggest_gains(
     gain_margin: float = 2.0,
     delay_margin: float = 1.0,
     scale_mbar: bool = True,
+    law: str | None = None,
+    settings: Mapping[str, Any] | None = None,
     speed: ArrayLike = 1.0,
     coulomb: ArrayLike | None = None,
     box: BoxLike = None,
@@ -80,6 +84,10 @@ def suggest_gains(
         gain_margin: Factor above 1 by which the torque gain may be off, either way.
         delay_margin: Delay that may come on top, periods, 0 or more.
         scale_mbar: Whether M̄ may be scaled down.
+        law: ``"dob"`` or ``"implicit"``: gains for that law, with its low-pass or its share, in the place of PPC's.
+            What they are worth against PPC's is then said, with the same margins and no more noise than PPC makes or
+            than `noise_budget` allows.
+        settings: Parameters of the law's own that are given; a share or cutoff_hz is then not searched.
         speed: Joint speeds for the drift prediction, a scalar or nv values, rad/s.
         coulomb: Coulomb friction for the reversal prediction, a scalar or nv values, N·m; the URDF's by default, or
             1 for every joint where it declares none.
@@ -97,6 +105,31 @@ def suggest_gains(
         ParameterError: a value cannot be used; the message says what to change.
     """
     ranges: dict[str, Any] = {"payload": payload, "armature": armature, "lock": lock}
+    plain = None
+    if law is not None:
+        checked_law(law)
+        plain = suggest_gains(
+            arm,
+            mbar,
+            period,
+            acceleration=acceleration,
+            filter_hz=filter_hz,
+            delay=delay,
+            sensor=sensor,
+            pairing=pairing,
+            noise_budget=noise_budget,
+            gain_margin=gain_margin,
+            delay_margin=delay_margin,
+            scale_mbar=scale_mbar,
+            speed=speed,
+            coulomb=coulomb,
+            box=box,
+            samples=samples,
+            seed=seed,
+            **ranges,
+        )
+        if noise_budget is None and plain.report is not None and plain.report.noise is not None:
+            noise_budget = plain.report.noise.torque_rms
     arms = frozen_arms(arm, box, **ranges)
     timing: dict[str, Any] = {"acceleration": acceleration, "filter_hz": filter_hz, "delay": delay, "pairing": pairing}
     timing |= {} if sensor is None else sensor.timing
@@ -109,7 +142,16 @@ def suggest_gains(
     budget = budget_of(noise_budget, sensor, spaces[-1])
     limit = None if budget is None else budget.limit
     search = GainSearch(unit, _beginning(spaces, unit), least=0.05 if scale_mbar else 1.0)
-    chosen = _chosen(search, asked) if budget is None else _within(search, asked, budget)
+
+    def choose() -> SampledLoop | None:
+        if law is not None and plain is not None:
+            goal = asked if plain.met or plain.reached is None else plain.reached
+            return best_of_law(law_searches(search, law, settings or {}, budget), goal, unit)
+        return _chosen(search, asked) if budget is None else _within(search, asked, budget)
+
+    chosen = choose()
+    if chosen is None and law is not None:
+        return GainDesign(arms.about, unit, asked, None, None, (), None, limit, law=law)
     if chosen is None:
         why, wanted = hindrances(search.critical, _slow(unit), Margins((1.0, 1.0), 0.0)), armature_wanted(search, asked)
         return GainDesign(arms.about, unit, asked, None, None, why, wanted, limit)
@@ -120,12 +162,14 @@ def suggest_gains(
             break
         # The report searches further, joint by joint.
         budget.take_in(noise.worst)
-        chosen = _within(search, asked, budget) or chosen
+        chosen = choose() or chosen
         report = examine(spaces, chosen, limits=True, known=list(search.critical.points), sensor=sensor)
     if coulomb is None:
         coulomb = arms.arm.friction if arms.arm.friction.any() else 1.0
     expected = _expected(search.critical, spaces[-1], chosen, speed, coulomb)
-    design = GainDesign(arms.about, unit, asked, report, expected, (), None, limit)
+    design = GainDesign(arms.about, unit, asked, report, expected, (), None, limit, law=law or "")
+    if plain is not None:
+        return replace(design, bought=_bought(design, plain))
     if design.met and design.useful and design.quiet:
         return design
     # What stands against more: the margins asked for, or with them a faster k_s.
@@ -135,6 +179,24 @@ def suggest_gains(
         # Armature is looked for without a thought for noise, so it is no answer to a budget.
         return replace(design, why=(*why, *loudness(budget, faster)))
     return replace(design, why=why, armature=armature_wanted(search, asked))
+
+
+def _bought(design: GainDesign, plain: GainDesign) -> Bought | None:
+    """What gains of a law are worth against those of PPC; None where PPC has none."""
+    mine, others = design.report, plain.report
+    if mine is None or others is None or design.expected is None or plain.expected is None:
+        return None
+    noise = None
+    if mine.noise is not None and others.noise is not None:
+        noise = mine.noise.torque_rms / others.noise.torque_rms
+    stiffness = [report.loop.mbar[0] * report.loop.ks[0] * report.loop.resting_beta[0] for report in (mine, others)]
+    ages = [report.loop.torque_age for report in (mine, others)]
+    return Bought(
+        drift=float(ages[0] / ages[1] * stiffness[1] / stiffness[0]),
+        reversal=design.expected.reversal_rms / plain.expected.reversal_rms,
+        noise=noise,
+        allowed=plain.quiet,
+    )
 
 
 def _chosen(search: GainSearch, asked: Margins) -> SampledLoop | None:

@@ -30,7 +30,7 @@ from asmc_pin.condition.premises import ends_of, premises_of
 from asmc_pin.errors import ParameterError
 from asmc_pin.sampled.proof.gravity_proof import Pieces, pieces_of, stiffness_bound
 from asmc_pin.sampled.proof.loop_proof import LoopProof
-from asmc_pin.sampled.sampled_loop import SampledLoop
+from asmc_pin.sampled.sampled_loop import SampledLoop, law_name
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -191,14 +191,11 @@ def check_plain(loop: SampledLoop) -> None:
 def not_plain(loop: SampledLoop) -> tuple[str, str] | None:
     """What of a loop no proof is made for, and why; None for the plain loop."""
     if loop.law is not None:
-        weight = getattr(loop.law, "estimate_weight", None)
-        if weight is None:
-            return "law", f"a proof is of PPC's loop, not of that of {type(loop.law).__name__}"
-        scaled = ",".join(f"{value:.10g}" for value in weight * loop.mbar)
-        return "law", (
-            "a proof is of PPC's loop; of this law the condition on M̄ can be proven, which is that for cM̄: "
-            f"asmc-pin verify ARM --mbar {scaled} --certify"
-        )
+        said = f"a proof is of PPC's loop, not of that of {law_name(loop.law)}"
+        if not getattr(loop.law, "estimates", False):
+            return "law", said
+        which = "" if loop.law.estimate_weight == 1.0 else ", which is that for cM̄"
+        return "law", f"{said}; of this law the condition on M̄ can be proven{which}"
     if not loop.modal:
         return "ks", "a proof needs one k_s and one β for all joints: only then do the modes separate"
     gains_and_pair = ("mbar", "ks", "beta", "period", "pairing")
