@@ -214,7 +214,7 @@ def design(
 
 def _say_next(context: typer.Context, found: DesignReport, *, gains: bool, certify: bool) -> None:
     kept = ("objective", "form", "bounds", "level", "seed")
-    margins = ("period", "gain_margin", "delay_margin", "coulomb", "noise_budget", *SENSED)
+    margins = ("period", "gain_margin", "delay_margin", "coulomb", "noise_budget", "law", "settings", *SENSED)
     more = () if certify else ("--certify",)
     if found.mbar is None:
         say_next("how large M(q) is, which M̄ has to suit", again(context, "bounds"))
