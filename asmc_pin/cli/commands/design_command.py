@@ -208,21 +208,21 @@ def design(
         print_json(content)
     else:
         say(*lines)
-        _say_next(context, found, gains=gains, provable=law is None and not certify)
+        _say_next(context, found, gains=gains, certify=certify)
     raise typer.Exit(1 if refuted else {"infeasible": 1, **EXIT}[found.verdict])
 
 
-def _say_next(context: typer.Context, found: DesignReport, *, gains: bool, provable: bool) -> None:
+def _say_next(context: typer.Context, found: DesignReport, *, gains: bool, certify: bool) -> None:
     kept = ("objective", "form", "bounds", "level", "seed")
-    margins = ("period", "gain_margin", "delay_margin", "coulomb", "noise_budget", *SENSED)
-    more = ("--certify",) if provable else ()
+    margins = ("period", "gain_margin", "delay_margin", "coulomb", "noise_budget", "law", "settings", *SENSED)
+    more = () if certify else ("--certify",)
     if found.mbar is None:
         say_next("how large M(q) is, which M̄ has to suit", again(context, "bounds"))
     elif not gains:
         say_next(
             "gains for it, here at 1 ms", again(context, "design", "--gains", "--period", "0.001", *more, also=kept)
         )
-    elif provable:
+    elif not certify:
         say_next("what can be proven of them", again(context, "design", "--gains", "--certify", also=(*kept, *margins)))
     else:
         say_next("an experiment to put them into", "asmc-pin new mine.toml --from demo")

@@ -48,10 +48,7 @@ from asmc_pin.cli.sensor_options import (
 from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
-    from asmc_pin.sampled import SampledLoop
-
-if TYPE_CHECKING:
-    from asmc_pin.sampled import StabilityReport
+    from asmc_pin.sampled import SampledLoop, StabilityReport
 
 
 @app.command(rich_help_panel=MBAR)
