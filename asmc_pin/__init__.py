@@ -94,6 +94,7 @@ if TYPE_CHECKING:
     from asmc_pin.metrics import Metric as Metric
     from asmc_pin.metrics import MetricSettings as MetricSettings
     from asmc_pin.metrics import evaluate as evaluate
+    from asmc_pin.pages.benches.bench_findings import BenchFindings as BenchFindings
     from asmc_pin.pages.sweeps.sweep_findings import Compared as Compared
     from asmc_pin.pages.sweeps.sweep_findings import SweepFindings as SweepFindings
     from asmc_pin.pages.tables.text_table import Table as Table
@@ -138,6 +139,7 @@ if TYPE_CHECKING:
     from asmc_pin.sampled.stability_report import WorstFound as WorstFound
     from asmc_pin.statistics.paired_ratio import RatioInterval as RatioInterval
     from asmc_pin.statistics.pairwise import PairedComparison as PairedComparison
+    from asmc_pin.statistics.task_ranks import MeanRank as MeanRank
     from asmc_pin.study import Comparison as Comparison
     from asmc_pin.study import compare as compare
     from asmc_pin.study.comparison_notes import Lemma1Part as Lemma1Part
@@ -145,6 +147,9 @@ if TYPE_CHECKING:
     from asmc_pin.study.refinement import Refinement as Refinement
     from asmc_pin.study.run_monitors import Theorems as Theorems
     from asmc_pin.study.viewing import view as view
+    from asmc_pin.suites import Benchmark as Benchmark
+    from asmc_pin.suites import bench as bench
+    from asmc_pin.suites.cell_runs import CellResult as CellResult
     from asmc_pin.sweeping import Sweep as Sweep
     from asmc_pin.sweeping import sweep as sweep
     from asmc_pin.tool_error import ToolError as ToolError

@@ -97,17 +97,19 @@ EVERYTHING = {*MAY_IMPORT, "package"}
 MAY_IMPORT["study"] = EVERYTHING
 MAY_IMPORT["sweeping"] = EVERYTHING | {"study"}
 MAY_IMPORT["tuning"] = EVERYTHING | {"study", "sweeping"}
+MAY_IMPORT["suites"] = EVERYTHING | {"study", "sweeping", "tuning"}
 MAY_IMPORT["reproduction"] = EVERYTHING | {"study", "sweeping"}
-MAY_IMPORT["cli"] = EVERYTHING | {"study", "sweeping", "tuning", "reproduction"}
+MAY_IMPORT["cli"] = EVERYTHING | {"study", "sweeping", "tuning", "suites", "reproduction"}
 MAY_IMPORT["package"] = EVERYTHING | {
     "study",
     "sweeping",
     "tuning",
+    "suites",
     "reproduction",
     "cli",
 }  # asmc_pin/__init__.py, the public names
 
-OUTERMOST = ("study", "sweeping", "tuning", "reproduction", "cli", "package")
+OUTERMOST = ("study", "sweeping", "tuning", "suites", "reproduction", "cli", "package")
 
 # The only modules with a control law in them that may see an arm; what they compute is marked "knows the model".
 KNOW_THE_MODEL = {

@@ -25,7 +25,7 @@ from asmc_pin.lazy import homes_of
 VERBS = [
     *("load_arm", "lemma1_norm", "weighted_norm", "verify", "certify", "check", "design", "bounds", "stability"),
     "certify_loop",
-    *("suggest_gains", "agree", "load_experiment", "compare", "reproduce", "rollout", "tune", "view"),
+    *("suggest_gains", "agree", "load_experiment", "compare", "reproduce", "rollout", "tune", "bench", "view"),
 ]
 
 # Data of a report that only our own code reads: what it is made of may change without notice.

@@ -6,12 +6,14 @@ killed sweep leaves behind is what this process had written, and a worker on ano
 
 from __future__ import annotations
 
+import functools
 import os
 import signal
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import TypeVar
 
 import joblib
 
@@ -19,6 +21,9 @@ from asmc_pin.errors import ExperimentError
 from asmc_pin.sweeping.block_rows import BlockRows
 from asmc_pin.sweeping.sweep_plan import SweepPlan
 from asmc_pin.sweeping.worker_block import run_block
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 _watching = False
 
@@ -62,22 +67,36 @@ def block_results(plan: SweepPlan, blocks: Sequence[range], workers: int) -> Ite
         for block in blocks:
             yield block, rows.parquet(block)
         return
-    run = joblib.delayed(_run_block)
+    for block, content, trouble in in_workers(functools.partial(_run_block, plan), blocks, workers):
+        if trouble is not None:
+            raise ExperimentError("", trouble)
+        yield block, content
+
+
+def in_workers(work: Callable[[Item], Result], items: Sequence[Item], workers: int) -> Iterator[Result]:
+    """What becomes of each item in a process of its own, in whatever order they come to be done.
+
+    Args:
+        work: A function of a module; it hands our errors back in words, for they do not travel between processes.
+        items: What it is given, one by one.
+        workers: Processes at once.
+    """
+    run = joblib.delayed(_watched)
     with joblib.parallel_config(backend="loky", inner_max_num_threads=1):
-        pool = joblib.Parallel(
-            min(workers, len(blocks)), return_as="generator_unordered", batch_size=1, max_nbytes=None
-        )
+        pool = joblib.Parallel(min(workers, len(items)), return_as="generator_unordered", batch_size=1, max_nbytes=None)
         with _interrupts_held_back(), _quiet_tracker():
-            done = pool(run(plan, block, os.getpid()) for block in blocks)
-        for block, content, trouble in done:
-            if trouble is not None:
-                raise ExperimentError("", trouble)
-            yield block, content
+            done = pool(run(work, item, os.getpid()) for item in items)
+        yield from done
 
 
-def _run_block(plan: SweepPlan, block: range, parent: int) -> tuple[range, bytes, str | None]:
-    """In a worker of this machine: see `run_block`."""
+def _watched(work: Callable[[Item], Result], item: Item, parent: int) -> Result:
+    """In a worker of this machine, which ends with the process that began it."""
     _end_with(parent)
+    return work(item)
+
+
+def _run_block(plan: SweepPlan, block: range) -> tuple[range, bytes, str | None]:
+    """In a worker: see `run_block`."""
     return block, *run_block(plan, block)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from asmc_pin.metrics import METRICS
 from asmc_pin.pages.figure_style import PAGE, paper_style
@@ -19,6 +20,7 @@ from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.words.media import for_figure
 
 _COLUMNS = 3
+_TICKS = (0.25, 0.5, 1.0, 2.0, 4.0)
 
 
 def tune_plates(findings: TuneFindings) -> Iterator[Plate]:
@@ -38,9 +40,9 @@ def tune_plates(findings: TuneFindings) -> Iterator[Plate]:
         yield Plate(
             "sensitivity",
             _sensitivity(findings),
-            "Error over the winner's when one gain alone is multiplied, on the training draws. Runs of this figure "
-            "were made after the search and could not win. A line that ends has failed beyond, or the law takes no "
-            "more.",
+            "Error over the winner's when one gain alone is multiplied, on the training draws; limits are left aside, "
+            "so less error may cost more chatter. Runs of this figure were made after the search and could not win. A "
+            "line that ends has failed beyond, or the law takes no more.",
         )
 
 
@@ -101,7 +103,7 @@ def _sensitivity(findings: TuneFindings) -> Figure:
     rows = math.ceil(len(shown) / _COLUMNS)
     with paper_style():
         figure = _empty(0.4 + 2.0 * rows)
-        grid = figure.subplots(rows, min(_COLUMNS, len(shown)), squeeze=False, sharex=True)
+        grid = figure.subplots(rows, min(_COLUMNS, len(shown)), squeeze=False)
         for ax in grid.ravel()[len(shown) :]:
             ax.set_visible(False)
         for ax, item in zip(grid.ravel(), shown, strict=False):
@@ -109,6 +111,8 @@ def _sensitivity(findings: TuneFindings) -> Figure:
                 finite = np.isfinite(ratios)
                 ax.plot(factors[finite], ratios[finite], ".-", ms=3, label=for_figure(name))
             _log(ax, "both")
+            ax.set_xticks(_TICKS, [f"{x:g}" for x in _TICKS])
+            ax.xaxis.set_minor_formatter(NullFormatter())
             ax.set_title(for_figure(item.shown))
             ax.legend(fontsize=6, ncols=2)
             ax.set_xlabel("factor on the gain")
