@@ -43,11 +43,12 @@ SIZES = (32, 256, 2048, 16_384)
 LIFE = 24.0
 """Hours after which a worker dies, on average: assumed, as on machines that may be taken away."""
 
-WAITING = 40
+WAITING = 20
 """Workers that are started to see what a waiting one costs."""
 
 MANY_WORKERS = """
 import asyncio, sys
+import asmc_pin.sweeping.dask_workers  # before there are threads that would all import it at once
 from distributed import Worker
 async def main():
     workers = await asyncio.gather(*[Worker(sys.argv[1], nthreads=1, dashboard=False) for _ in range(int(sys.argv[2]))])
@@ -137,7 +138,7 @@ def measure_start(rates: Rates) -> None:
     rates.start = after.children_user + after.children_system - before.children_user - before.children_system
 
 
-def measure_scheduler(rates: Rates, blocks: int = 300) -> None:
+def measure_scheduler(rates: Rates, blocks: int = 200) -> None:
     """What blocks that compute nothing cost the scheduler and this process, at two sizes of what comes back."""
     from distributed import Client
 
@@ -171,7 +172,7 @@ def measure_scheduler(rates: Rates, blocks: int = 300) -> None:
     rates.scheduler_block, rates.writer_block = small
 
 
-def rate_of_cpu(pid: int, seconds: float = 20.0) -> float:
+def rate_of_cpu(pid: int, seconds: float = 10.0) -> float:
     """Processor time that a process takes, s per s."""
     before, began = cpu_of(pid), time.monotonic()
     time.sleep(seconds)

@@ -89,8 +89,8 @@ def _results(
 ) -> Iterator[tuple[range, bytes]]:
     waiting = iter(blocks)
     under_way: dict[str, tuple[range, int]] = {}
+    room, looked = AHEAD * _threads(client, address), time.monotonic()
     done = distributed.as_completed(loop=client.loop)
-    room, looked = 0, -PATIENCE
     name = uuid.uuid4().hex  # another sweep, or this one started again, may be with the same scheduler
 
     def hand_over(block: range, losses: int) -> None:
@@ -122,11 +122,19 @@ def _results(
 
 
 def _threads(client: Any, address: str) -> int:
-    """Threads of all workers."""
+    """Threads of all workers, one each: what several of one process load and compile at once may wait for ever."""
     try:
-        return sum(client.nthreads().values())
+        threads: dict[str, int] = client.nthreads()
     except (OSError, ValueError) as error:
         raise ParameterError("dask", _why(error, address)) from None
+    for worker, count in threads.items():
+        if count > 1:
+            raise ParameterError(
+                "dask",
+                f"worker {worker} has {count} threads; start workers of one thread, and as many as there are "
+                f"processors: dask worker {address} --nthreads 1 --nworkers {count}",
+            )
+    return len(threads)
 
 
 def _why(error: BaseException | None, address: str) -> str:

@@ -11,6 +11,7 @@ from sweep_cases import contents, tiny
 
 from asmc_pin.errors import ExperimentError, MissingDependencyError, ParameterError
 from asmc_pin.sweeping import dask_workers, sweep
+from asmc_pin.sweeping.sweep_plan import sweep_plan
 
 DRAWS, SIZE = 60, 4  # 30 blocks
 
@@ -125,12 +126,22 @@ def test_a_block_whose_workers_die_again_and_again_ends_the_sweep(tmp_path, monk
         def as_completed(loop):
             return Done()
 
-    from asmc_pin.sweeping.sweep_plan import sweep_plan
-
     plan = sweep_plan(tiny(), 1, 1, "key")
     with pytest.raises(ParameterError, match="trials 0 to 0 came to no end: it died with every worker"):
         list(dask_workers._results(Pretended, Client(), plan, [range(1)], "tcp://x"))
     assert len(given_up) == 2
+
+
+def test_a_worker_of_several_threads_is_refused_with_the_command_for_several_workers():
+    class Client:
+        loop = None
+
+        def nthreads(self):
+            return {"tcp://a": 1, "tcp://b": 4}
+
+    plan = sweep_plan(tiny(), 1, 1, "key")
+    with pytest.raises(ParameterError, match=r"worker tcp://b has 4 threads; .*--nthreads 1 --nworkers 4"):
+        list(dask_workers._results(distributed, Client(), plan, [range(1)], "tcp://x"))
 
 
 def test_no_scheduler_no_worker_or_no_dask_is_one_message(tmp_path, monkeypatch):
