@@ -46,7 +46,7 @@ def loop_proof_of(arm: Arm, loop: SampledLoop, certificate: str | None, **option
 
         proof = certify_loop(arm, loop, progress=tell, **options)
     if certificate is not None:
-        if why := unwritable(arm):
+        if why := unwritable(proof.cases):
             note(f"{why}; none was written to {certificate}")
         elif proof.verdict != "undecided":
             note(f"certificate: {proof.save(certificate)}")

@@ -76,7 +76,9 @@ class Carried:
         at = ", ".join(_words(x) for x in self.com)
         said = f"{_words(self.mass)} kg at ({at}) m on {quoted(self.link)}"
         if any(isinstance(x, tuple) for x in self.com):
-            said += " (of each range of its place the ends and the middle, not between)"
+            said += (
+                " (of each range of its place the ends and the middle are searched; what is proven holds between too)"
+            )
         if any(self.inertia) or any(self.inertia_lightest or ()):
             said += f", inertia about its centre ({', '.join(f'{exact(x)}' for x in self.inertia)}) kg·m²"
             if self.inertia_lightest is not None:

@@ -10,10 +10,13 @@ import pytest
 
 from asmc_pin.arms import load_arm
 from asmc_pin.cli import main
-from asmc_pin.condition import bounds, lemma1_norm, verify
+from asmc_pin.condition import bounds, lemma1_norm, verify, weighted_norm
 from asmc_pin.condition.certificate import certify
+from asmc_pin.condition.domain.arm_ranges import cases
 from asmc_pin.condition.domain.payload_ranges import carrying
+from asmc_pin.condition.domain.places_between import corners
 from asmc_pin.errors import ParameterError, ResultError
+from asmc_pin.rigid_body.mass_matrix import mass_matrices
 from asmc_pin.sampled import SampledLoop, certify_loop
 from asmc_pin.sampled.frozen_arms import frozen_arms
 
@@ -51,26 +54,88 @@ def test_a_verdict_says_where_the_payload_was_looked_at() -> None:
     report = verify(load_arm("ur5"), MBAR, payload=LOAD, samples=256, starts=4)
     content = json.loads(json.dumps(report.to_json_dict()))
     assert content["payload"] == {"mass": [0.0, 2.0], "link": "tool0", "com": [[-0.1, 0.1], 0.0, 0.05]}
-    assert any("the ends and the middle, not between" in line for line in report.lines())
+    assert any("what is proven holds between too" in line for line in report.lines())
     worst = content["worst_payload"]
     laden = load_arm("ur5", payload=worst)
     norm = float(lemma1_norm(laden.mass_matrix(report.worst_q), np.array(MBAR)))
     assert norm == pytest.approx(report.lower, rel=1e-9)
 
 
-def test_a_range_of_places_is_searched_and_not_proven(tmp_path: Any) -> None:
-    arm, small = load_arm("two_link"), {"mass": 0.01, "com": [(0.0, 0.05), 0.0, 0.0]}
-    result = certify(arm, 0.01, payload=small, budget=5.0)
-    assert (result.verdict, result.scale_proven, result.upper) == ("undecided", 0.0, None)
-    assert "no proof covers a range of the payload's place" in result.reason
-    with pytest.raises(ResultError):
+@pytest.mark.parametrize("seed", range(4))
+def test_inertia_between_places_is_a_mix_of_the_corners_that_are_proven(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    low, high = -rng.random(3), rng.random(3)
+    if seed:
+        high[rng.integers(3)] = low[0]  # a range along some axes only
+        low, high = np.minimum(low, high), np.maximum(low, high)
+    inertia = (0.2, 0.01, 0.0, 0.3, 0.0, 0.25)
+    com = [(a, b) if a < b else a for a, b in zip(low.tolist(), high.tolist(), strict=True)]
+    arm = load_arm("ur5")
+    mass = {"mass": (0.5, 2.0), "link": "tool0", "com": com, "inertia": inertia}
+    found = cases(arm, payload=mass)
+    proven = corners(found)
+    q, place, load = rng.uniform(-3.0, 3.0, arm.nv), rng.uniform(low, high), float(rng.uniform(0.5, 2.0))
+    scaled = tuple(load / 2.0 * x for x in inertia)
+    ours = load_arm("ur5", payload={"mass": load, "link": "tool0", "com": tuple(place), "inertia": scaled})
+    width = np.where(high > low, high - low, 1.0)
+    upper, spread = (
+        (place - low) / width,
+        np.where(high > low, (place - low) * (high - place) / (0.5 * width) ** 2, 0.0),
+    )
+    total = np.zeros((arm.nv, arm.nv))
+    weights = 0.0
+    for corner in proven:
+        payload = found[corner.case].domain.arm.payload
+        assert payload is not None
+        at_high = (np.array(payload.com) == high) & (high > low)
+        weight = np.prod(np.where(high > low, np.where(at_high, upper, 1.0 - upper), 1.0))
+        weight *= (load - 0.5) / 1.5 if payload.mass == 2.0 else (2.0 - load) / 1.5
+        # How much of the second moments is taken off at this corner tells which it is.
+        off = np.array([corner.tree.inertia[k] - found[corner.case].domain.arm.tree.inertia[k] for k in range(6)]).sum(
+            axis=0
+        )
+        turned = arm.model.frames[arm.model.getFrameId("tool0")].placement.rotation
+        second = -turned.T @ off @ turned
+        share = (0.5 * np.trace(second) - np.diag(second)) / payload.mass / (0.5 * width) ** 2
+        weight *= np.prod(np.where(high > low, np.where(share > 0.5, spread, 1.0 - spread), 1.0))
+        total += weight * mass_matrices(corner.tree, q[None])[0]
+        weights += weight
+    assert weights == pytest.approx(1.0)
+    assert total == pytest.approx(ours.mass_matrix(q), abs=1e-10)
+
+
+@pytest.mark.parametrize("condition", ["weighted", "lemma1"])
+def test_a_range_of_places_is_proven_with_all_that_lies_between(condition: Any, tmp_path: Any) -> None:
+    arm, small = load_arm("two_link"), {"mass": (0.0, 0.05), "com": [(-0.1, 0.2), 0.0, (0.0, 0.1)]}
+    result = certify(arm, 0.01, condition=condition, payload=small, gap=0.3, budget=20.0, levels=False)
+    assert result.scale_proven > 0.0
+    norm = weighted_norm if condition == "weighted" else lemma1_norm
+    rng = np.random.default_rng(1)
+    for _ in range(60):
+        com = (float(rng.uniform(-0.1, 0.2)), 0.0, float(rng.uniform(0.0, 0.1)))
+        laden = load_arm("two_link", payload={"mass": float(rng.uniform(0.0, 0.05)), "com": com})
+        mass = laden.mass_matrix(rng.uniform(*arm.box, (200, arm.nv)))
+        assert norm(mass, result.scale_proven * np.array(result.mbar)).max() < 1.0
+    with pytest.raises(ResultError, match="ranges of a payload's place are in no certificate"):
         result.save(tmp_path / "proof.cert")
-    assert certify(arm, 0.01, payload={**small, "com": (0.05, 0.0, 0.0)}, budget=20.0, levels=False).verdict == "holds"
-    found = bounds(arm, payload=small, budget=5.0)
-    assert (found.lower.proven, found.upper.proven, found.coriolis.proven) == (None, None, None)
-    loop = SampledLoop(np.full(2, 0.01), 5.0, 5.0, 1e-3)
-    proof = certify_loop(arm, loop, payload=small, budget=5.0)
-    assert (proof.verdict, "no proof covers" in proof.reason) == ("undecided", True)
+
+
+def test_bounds_and_a_loop_over_places_are_proven_but_for_forces_and_gravity() -> None:
+    arm, small = load_arm("two_link"), {"mass": 0.05, "com": [(-0.1, 0.1), 0.0, 0.0]}
+    found = bounds(arm, payload=small, gap=0.3, budget=20.0)
+    assert found.lower.proven is not None
+    assert found.upper.proven is not None
+    assert found.coriolis.proven is None
+    assert any("no c is proven over a range of the payload's place" in note for note in found.notes)
+    rng = np.random.default_rng(2)
+    for x in rng.uniform(-0.1, 0.1, 40):
+        laden = load_arm("two_link", payload={"mass": 0.05, "com": (float(x), 0.0, 0.0)})
+        values = np.linalg.eigvalsh(laden.mass_matrix(rng.uniform(*arm.box, (200, arm.nv))))
+        assert found.lower.proven < values.min()
+        assert values.max() < found.upper.proven
+    proof = certify_loop(arm, SampledLoop(np.full(2, 0.01), 5.0, 5.0, 1e-3), payload=small, budget=20.0)
+    assert (proof.verdict, proof.gravity) == ("stable", None)
+    assert "range of the payload's place" in proof.no_gravity
 
 
 def test_a_loop_is_frozen_on_every_place_with_its_range_of_masses() -> None:

@@ -62,7 +62,7 @@ def bounds(
     if certificate is not None:
         from asmc_pin.condition.certificate.writing import unwritable
 
-        if why := unwritable(loaded):
+        if why := unwritable(report.cases):
             note(f"{why}; none was written to {certificate}")
         elif report.proofs:
             note(f"certificate: {report.save(certificate)}")

@@ -162,7 +162,7 @@ def prove(
     if certificate is not None:
         from asmc_pin.condition.certificate.writing import unwritable
 
-        if why := unwritable(arm):
+        if why := unwritable(result.cases):
             note(f"{why}; none was written to {certificate}")
         elif result.proofs:
             note(f"certificate: {result.save(certificate)}")

@@ -156,7 +156,7 @@ def certify(
         seconds=clock.seconds(),
         history=tuple(prover.history),
         reason=prover.reason,
-        notes=(*_notes(all_cases[0]), *([f"not proven; {prover.unable}"] if prover.unable and upper is None else [])),
+        notes=_notes(all_cases[0]),
         cases=all_cases,
         proofs=proofs,
     )

@@ -147,7 +147,8 @@ def _largest(tree: Tree, lower: Array, upper: Array) -> Array:
     bound = np.zeros(tree.nv)
     for k in range(tree.nv):
         reach, i = float(np.linalg.norm(tree.com[k])), k
-        own = float(np.trace(tree.inertia[k]))
+        # What stands for a range of places may be no body's, and have moments of either sign.
+        own = float(max(np.trace(tree.inertia[k]), np.linalg.norm(tree.inertia[k])))
         while i >= 0:
             bound[i] += tree.mass[k] if tree.prismatic[i] else own + tree.mass[k] * reach**2
             reach += float(offset[i])

@@ -28,7 +28,10 @@ SHARES = (
     "joints that mimic others are proven as if each moved freely and bore a share of its m̄, which is more than has to "
     "hold, and does not"
 )
-PLACES = "searched only: no proof covers a range of the payload's place; ask for each place alone"
+CORNERS = (
+    "a range of the payload's place is proven by its corners, with less inertia there than any place between has, "
+    "which is more than has to hold, and does not; ask for parts of the range"
+)
 
 NEAREST = 4.0 * MARGIN
 """What is tried within this share of what is refuted cannot be told from it: a proof is of a little more than is said,

@@ -21,11 +21,12 @@ from asmc_pin.condition.certificate.worst_known import Worst
 from asmc_pin.condition.certificate.writing import Proof
 from asmc_pin.condition.domain.along_motion import armature_ends
 from asmc_pin.condition.domain.base_branches import branch_of, branches
-from asmc_pin.condition.domain.payload_ranges import has_places
+from asmc_pin.condition.domain.places_between import corners
 from asmc_pin.condition.norm.two_conditions import Condition
 
 if TYPE_CHECKING:
     from asmc_pin.condition.domain.arm_ranges import Case
+    from asmc_pin.condition.search.samples import Domain
     from asmc_pin.rigid_body.tree import Tree
 
 Outcome = Literal["proven", "blocked", "slow", "stopped"]
@@ -55,14 +56,6 @@ class ProofProgress:
     seconds: float
 
 
-def unprovable(cases: Sequence[Case]) -> str:
-    """Why nothing is proven of some cases; empty where all that matters is covered by them."""
-    arms = [case.domain.arm for case in cases]
-    if has_places([arm.payload for arm in arms]):
-        return stopping.PLACES
-    return ""
-
-
 _CUTS = 128
 """How often a box of joints that mimic others is cut, each piece with shares of its own."""
 
@@ -82,7 +75,7 @@ class Prover:
         worst: What is refuted.
         reason: Why it stopped.
         obstacle: Where the last attempt did not get on, though nothing contradicts it.
-        unable: Why it proves nothing of these arms; empty where it may.
+        corners: The arms that its statements are of; their `case` is an index of these.
     """
 
     def __init__(
@@ -107,7 +100,7 @@ class Prover:
         self.tests = 0
         self.reason = ""
         self.obstacle: Obstacle | None = None
-        self.unable = unprovable(cases)
+        self.corners = corners(cases)
 
     def raise_scale(self, gap: float) -> None:
         """Prove the condition for larger and larger factors of M̄, until the gap is met and M̄ itself is decided."""
@@ -153,7 +146,7 @@ class Prover:
                 self.scale = trying
                 self.history.append((time.monotonic() - self.began, trying))
             elif outcome == "stopped":
-                self.reason = self.unable or stopping.OUT_OF_TIME
+                self.reason = stopping.OUT_OF_TIME
                 return
             elif outcome == "slow":
                 ceiling, blocked = trying, None
@@ -163,8 +156,8 @@ class Prover:
 
     def lower_level(self, seconds: float, goal: float | None = None) -> None:
         """Prove lower and lower levels of M̄ itself, in addition to its scale; with a goal only that one."""
-        late = self.unable or stopping.OUT_OF_TIME
-        if not self.unable and (until := time.monotonic() + seconds) < self.deadline:
+        late = stopping.OUT_OF_TIME
+        if (until := time.monotonic() + seconds) < self.deadline:
             self.deadline, late = until, stopping.SHARE_SPENT
         why = ""
         for share in (0.5, 0.2, 0.05) if goal is None else (0.0,):
@@ -199,24 +192,32 @@ class Prover:
         assert self.obstacle is not None
         if self._cases[0].domain.arm.mimics:
             return stopping.SHARES
+        if len(self.corners) > len(self._cases) or not all(corner.least for corner in self.corners):
+            return stopping.CORNERS
         return self.obstacle.reason(near=left <= stopping.NEAREST * of)
 
     def _scale_statements(self, scale: float) -> list[Statement]:
         # Both conditions only gain by armature: its lower end covers the range.
         kind: Kind = "weighted" if self._condition == "weighted" else "lemma1"
         return [
-            Statement(kind, scale, 1.0, index, case.domain.armature_lower, np.zeros_like(self._mbar))
-            for index, case in enumerate(self._cases)
+            Statement(kind, scale, 1.0, number, self._domain(number).armature_lower, np.zeros_like(self._mbar))
+            for number, corner in enumerate(self.corners)
+            if kind == "lemma1" or corner.least
         ]
+
+    def _domain(self, number: int) -> Domain:
+        """The arm's case of a statement, but for what is taken off its inertia."""
+        return self._cases[self.corners[number].case].domain
 
     def _level_statements(self, level: float) -> list[Statement]:
         found = []
-        for index, case in enumerate(self._cases):
-            lower, upper = case.domain.armature_lower, case.domain.armature_upper
+        for index, corner in enumerate(self.corners):
+            domain = self._domain(index)
+            lower, upper = domain.armature_lower, domain.armature_upper
             none, width = np.zeros_like(lower), upper - lower
             if self._condition == "weighted":
-                found.append(Statement("weighted", 1.0, level, index, lower, none))
-                found.append(Statement("bounded", 1.0, level, index, lower, width))
+                found += [Statement("weighted", 1.0, level, index, lower, none)] if corner.least else []
+                found += [Statement("bounded", 1.0, level, index, lower, width)] if corner.most else []
             elif 2 ** np.count_nonzero(width) <= _CORNERS:
                 found += [Statement("level", 1.0, level, index, end, none) for end in armature_ends(lower, upper)]
             else:
@@ -225,10 +226,8 @@ class Prover:
 
     def _attempt(self, statements: list[Statement], label: str, patient: bool, key: str = "scale") -> Outcome:
         """Prove all of some statements, or say why not; where one is not positive, search on from there."""
-        if self.unable:
-            return "stopped"
         proofs = []
-        parts = [branches(self._cases[statement.case].domain.arm.tree) for statement in statements]
+        parts = [branches(self.corners[statement.case].tree) for statement in statements]
         number, count = 0, sum(map(len, parts))
         for statement, mine in zip(statements, parts, strict=True):
             records: list[Record] = []
@@ -240,10 +239,10 @@ class Prover:
                     return "slow" if watch.slow else "stopped"
                 if walk.q is not None:
                     # The other branches do not matter to this one: anywhere will do.
-                    domain = self._cases[statement.case].domain
-                    q = np.array(domain.box.centre)
-                    q[joints] = walk.q[branch_of(domain.arm.tree, joints).coupling.leader]
-                    self.worst.climb(statement.case, q, statement.armature)
+                    corner = self.corners[statement.case]
+                    q = np.array(self._domain(statement.case).box.centre)
+                    q[joints] = walk.q[branch_of(corner.tree, joints).coupling.leader]
+                    self.worst.climb(corner.case, q, statement.armature)
                     self.obstacle = Obstacle(walk.status, statement, q)
                     return "blocked"
                 records += own
@@ -259,13 +258,13 @@ class Prover:
         Returns:
             The last walk, the records, and where joints mimic others the weights of every piece.
         """
-        domain = self._cases[statement.case].domain
-        tree, whole = branch_of(domain.arm.tree, joints), domain.box.of(joints)
-        if not domain.arm.tree.coupling.follows:
+        every = self.corners[statement.case].tree
+        tree, whole = branch_of(every, joints), self._domain(statement.case).box.of(joints)
+        if not every.coupling.follows:
             walk = self._walk(statement, joints, tree, (whole.lower, whole.upper), watch)[0]
             self.tests += walk.tests
             return walk, [in_joints(walk.record, joints)], []
-        moving = np.flatnonzero(np.isin(domain.arm.tree.coupling.coordinate, joints))
+        moving = np.flatnonzero(np.isin(every.coupling.coordinate, joints))
         pieces, cuts, cut_at = [(whole.lower, whole.upper)], 0, bytearray()
         records: list[Record] = []
         weights: list[Array] = []

@@ -32,7 +32,6 @@ from asmc_pin.words.provisos import provisos_json
 from asmc_pin.words.text import quoted
 
 if TYPE_CHECKING:
-    from asmc_pin.arms import Arm
     from asmc_pin.condition.domain.arm_ranges import Case
 
 
@@ -57,8 +56,11 @@ class Proof:
         return int(np.count_nonzero(self.record == LEAF)) - len(self.weights)
 
 
-def unwritable(arm: Arm) -> str:
-    """Why no certificate can be of an arm; empty where one can."""
+def unwritable(cases: Sequence[Case]) -> str:
+    """Why no certificate can be of these arms; empty where one can."""
+    arm = cases[0].domain.arm
+    if has_places([case.domain.arm.payload for case in cases]):
+        return "ranges of a payload's place are in no certificate"
     own = arm.made_of.robot.joints
     freed = [quoted(name) for name in arm.joint_names if own[name].mimic is not None]
     if freed:
@@ -78,10 +80,8 @@ def write(path: Path, figures: dict[str, Any], cases: Sequence[Case], proofs: Se
     Raises:
         ResultError: The checker could not read it, or it cannot be written.
     """
-    if has_places([case.domain.arm.payload for case in cases]):
-        raise ResultError(path, "ranges of a payload's place are in no certificate")
-    if unwritable(cases[0].domain.arm):
-        raise ResultError(path, unwritable(cases[0].domain.arm))
+    if unwritable(cases):
+        raise ResultError(path, unwritable(cases))
     records = [proof.record for proof in proofs]
     arm = cases[0].domain.arm
     header: dict[str, Any] = {

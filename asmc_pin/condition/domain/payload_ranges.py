@@ -2,7 +2,7 @@
 
 M is affine in the mass of a payload with one centre and shape, so the ends of a range of masses cover it. In the place
 it is not: a body at c adds m |v + ω × c|², which is convex in c and may be least in between. So a range of places is
-looked at where its axes begin, in the middle and where they end, and no proof covers what lies between.
+looked at where its axes begin, in the middle and where they end; proofs cover what lies between (`places_between`).
 """
 
 from __future__ import annotations

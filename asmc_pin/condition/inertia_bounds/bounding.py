@@ -12,11 +12,12 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
 from asmc_pin.condition.certificate.stopping import INTERRUPTED
-from asmc_pin.condition.certificate.strategy import ProofProgress, unprovable
+from asmc_pin.condition.certificate.strategy import ProofProgress
 from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.certificate.writing import Proof, seen
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases
 from asmc_pin.condition.domain.joint_box import BoxLike, idle_note
+from asmc_pin.condition.domain.payload_ranges import has_places
 from asmc_pin.condition.inertia_bounds.bounds_report import Bound, BoundsReport
 from asmc_pin.condition.inertia_bounds.eigenvalue_prover import EigenvalueProver
 from asmc_pin.condition.inertia_bounds.extreme_eigenvalue import Extreme, Side
@@ -153,7 +154,7 @@ def _condition_number(
 
 def _coriolis(all_cases: Sequence[Case], scaling: Array, high: float | None, seed: int) -> Bound:
     seen_largest = largest_velocity_forces(all_cases, scaling, seed)
-    if unprovable(all_cases) or all_cases[0].domain.arm.mimics:
+    if has_places([case.domain.arm.payload for case in all_cases]) or all_cases[0].domain.arm.mimics:
         return Bound(None, seen_largest.value, seen_largest.q)
     # Velocity forces are affine in a payload's mass, and a norm is convex: the ends of a range cover it.
     proven = max(
@@ -171,6 +172,8 @@ def _notes(all_cases: Sequence[Case], scaling: Array) -> tuple[str, ...]:
         notes.append(idle)
     if len(set(domain.arm.joint_kinds)) > 1 and np.all(scaling == 1.0):
         notes.append("revolute and prismatic joints: eigenvalues add kg·m² to kg; give a scaling of the joints")
+    if has_places([case.domain.arm.payload for case in all_cases]):
+        notes.append("velocity forces: no c is proven over a range of the payload's place; ask for each place alone")
     if domain.arm.mimics:
         notes.append(
             "velocity forces: no c is proven where joints mimic others, for the proof is one of joints that move "

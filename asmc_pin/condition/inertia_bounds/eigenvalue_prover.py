@@ -116,11 +116,12 @@ class EigenvalueProver(Prover):
 
     def _of(self, bound: float) -> list[Statement]:
         found = []
-        for index, case in enumerate(self._cases):
-            lower, upper = case.domain.armature_lower, case.domain.armature_upper
+        for index, corner in enumerate(self.corners):
+            domain = self._domain(index)
+            lower, upper = domain.armature_lower, domain.armature_upper
             # Halving and doubling are exact: what is proven is this float.
-            if self._side == "least":
+            if self._side == "least" and corner.least:
                 found.append(Statement("weighted", 2.0 * bound, 1.0, index, lower, np.zeros_like(lower)))
-            else:
+            elif self._side == "largest" and corner.most:
                 found.append(Statement("bounded", 0.5 * bound, 0.5, index, lower, upper - lower))
         return found

@@ -23,6 +23,7 @@ from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.certificate.writing import seen
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases
 from asmc_pin.condition.domain.joint_box import BoxLike
+from asmc_pin.condition.domain.payload_ranges import has_places
 from asmc_pin.condition.inertia_bounds.eigenvalue_prover import EigenvalueProver
 from asmc_pin.condition.inertia_bounds.extreme_eigenvalue import Extreme
 from asmc_pin.condition.inertia_bounds.outward import above, below
@@ -102,15 +103,16 @@ def certify_loop(
                 break
             outcome = prover.try_bound(limit)
             if outcome != "proven":
-                late = prover.unable or OUT_OF_TIME
-                reason = late if outcome == "stopped" else prover.why_not(limit)
+                reason = OUT_OF_TIME if outcome == "stopped" else prover.why_not(limit)
                 break
         else:
             reason = ""
-            if magnitude > 0.0 and not arm.mimics:
+            placed = has_places([case.domain.arm.payload for case in all_cases])
+            if magnitude > 0.0 and not arm.mimics and not placed:
                 pieces, no_gravity = _under_gravity(all_cases, loop, provers, (least, largest), magnitude)
             else:
-                no_gravity = "there is none" if magnitude == 0.0 else "its proof knows no joints that mimic others"
+                unknown = "range of the payload's place" if placed else "joints that mimic others"
+                no_gravity = "there is none" if magnitude == 0.0 else f"its proof knows no {unknown}"
     except KeyboardInterrupt:
         pass
     verdict: Literal["stable", "unstable", "undecided"] = "undecided"
