@@ -86,10 +86,16 @@ if TYPE_CHECKING:
     from asmc_pin.experiment.variation.axes import Variation as Variation
     from asmc_pin.experiment.variation.axes import VariedKey as VariedKey
     from asmc_pin.experiment.variation.draws import Distribution as Distribution
+    from asmc_pin.identification.estimates import Estimate as Estimate
+    from asmc_pin.identification.identification_report import Identification as Identification
+    from asmc_pin.identification.identifying import identify as identify
     from asmc_pin.inspection import Doubt as Doubt
     from asmc_pin.inspection import Inspection as Inspection
     from asmc_pin.inspection import inspect as inspect
     from asmc_pin.inspection.inspection_report import InspectedJoint as InspectedJoint
+    from asmc_pin.logs import JointLog as JointLog
+    from asmc_pin.logs import LogOptions as LogOptions
+    from asmc_pin.logs import read_log as read_log
     from asmc_pin.metrics import METRICS as METRICS
     from asmc_pin.metrics import Metric as Metric
     from asmc_pin.metrics import MetricSettings as MetricSettings

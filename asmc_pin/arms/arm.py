@@ -284,6 +284,8 @@ class Arm(Shown):
             def part(velocity: Array, acceleration: Array) -> Array:
                 return np.array(pin.computeJointTorqueRegressor(model, data, q, velocity, acceleration))
 
+            if np.array_equal(v, v_r):  # what Pinocchio has, three times as quick
+                return np.concatenate([part(v, a_r), np.diag(a_r)], axis=1)
             links = part(still, a_r) + 0.25 * (part(v + v_r, still) - part(v - v_r, still))
             return np.concatenate([links, np.diag(a_r)], axis=1)
 

@@ -12,6 +12,7 @@ import inspect
 import shlex
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_type_hints
 
 import typer
@@ -98,6 +99,14 @@ class LoadingOptions:
             "--estimate-inertia",
             metavar="KG|LINK=KG",
             help="Estimate missing inertias from shapes: a mass for all together, or one for each link. Repeatable.",
+        ),
+    ] = None
+    plant: Annotated[
+        str | None,
+        typer.Option(
+            "--plant",
+            metavar="FILE",
+            help="Payload and armature with their intervals, as 'asmc-pin identify --out FILE' measured them.",
         ),
     ] = None
 
@@ -206,8 +215,15 @@ def load_keywords(loading: LoadingOptions) -> tuple[dict[str, Any], dict[str, An
     """
     single: dict[str, Any] = {}
     ranges: dict[str, Any] = {}
-    load = parse_payload(loading.payload, loading.payload_com, loading.payload_inertia)
-    rotors = parse_armature(loading.armature)
+    load: Any = parse_payload(loading.payload, loading.payload_com, loading.payload_inertia)
+    rotors: Any = parse_armature(loading.armature)
+    if loading.plant is not None:
+        from asmc_pin.experiment.measured_values import measured_ranges, read_measured
+
+        measured = measured_ranges(read_measured(Path(loading.plant)).get("arm", {}))
+        load = measured.get("payload") if load is None else load
+        load = {"mass": load} if isinstance(load, float | int | tuple) else load
+        rotors = measured.get("armature") if rotors is None else rotors
     if load is not None:
         spread = any(isinstance(x, tuple) for x in (load["mass"], *load.get("com", ())))
         (ranges if spread else single)["payload"] = load

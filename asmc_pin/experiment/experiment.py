@@ -20,6 +20,7 @@ from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment import experiment_checks
 from asmc_pin.experiment.constructors import Mistake
 from asmc_pin.experiment.law_lookup import is_own
+from asmc_pin.experiment.measured_values import with_values
 from asmc_pin.experiment.plant_parts import LISTS, TABLES, plant_parts
 from asmc_pin.experiment.toml_keys import ExperimentTables
 from asmc_pin.experiment.toml_text import parse_toml, write_toml
@@ -73,7 +74,7 @@ class Experiment(Shown, ExperimentTables):
         Raises:
             ExperimentError: lists every mistake with the path of its key.
         """
-        content = copy.deepcopy(dict(data))
+        content = with_values(copy.deepcopy(dict(data)))
         folder = folder or Path.cwd()
         tables, problems = cls._judged(content, folder, import_laws)
         if not problems and "sweep" in content:

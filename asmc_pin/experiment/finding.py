@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from asmc_pin.disk.reading import read_file, shown, user_path
 from asmc_pin.disk.resources import shipped
 from asmc_pin.errors import ExperimentError
+from asmc_pin.experiment.measured_values import read_measured, with_measured
 from asmc_pin.experiment.toml_text import LARGEST, read_toml
 from asmc_pin.words.text import printable
 
@@ -25,7 +26,7 @@ def experiment_names() -> list[str]:
     return sorted(path.stem for path in shipped("experiments").glob("*.toml"))
 
 
-def load_experiment(source: str | Path, *, import_laws: bool = True) -> Experiment:
+def load_experiment(source: str | Path, *, import_laws: bool = True, plant: str | Path | None = None) -> Experiment:
     """Read and check an experiment.
 
     Args:
@@ -33,13 +34,18 @@ def load_experiment(source: str | Path, *, import_laws: bool = True) -> Experime
             what it names by a relative path is looked for where the experiment lay when it was run.
         import_laws: Whether a law of one's own (``my_module:MyLaw``) is imported, which runs the code of that module.
             False for a file that is only looked at: its arm, motion and plant are there, its controllers are not.
+        plant: A file of ``asmc-pin identify --out``, whose ``[arm]`` and ``[plant]`` are laid over the experiment's.
 
     Raises:
         ExperimentError: there is no such file, its TOML is broken (names the line), or keys or values are wrong (lists
             every mistake, with the path of its key and the nearest known one).
     """
     path = find_experiment(source)
+    text: str | None
     text, data = read_toml(path)
+    if plant is not None:
+        # The text of the experiment is no longer what is run.
+        text, data = None, with_measured(data, read_measured(user_path(plant)))
     from asmc_pin.experiment.experiment import Experiment  # only now: it brings all that an experiment may be made of
 
     return Experiment.from_dict(data, folder=_folder(path), origin=str(path), text=text, import_laws=import_laws)

@@ -35,6 +35,9 @@ if TYPE_CHECKING:
     from asmc_pin.arms import Arm
     from asmc_pin.condition import ConditionReport, DesignReport
 
+RECORDINGS = (".csv", ".csv.gz", ".parquet")
+"""Endings of recorded data."""
+
 EXIT = {"holds": 0, "unrefuted": 0, "violated": 1, "undecided": 3}
 
 
@@ -124,7 +127,7 @@ def check_motion(along: str | None) -> None:
     """Say that ``--along`` is neither a file nor an experiment before anything is loaded for it."""
     if along is None:
         return
-    if along.lower().endswith(".csv"):
+    if along.lower().endswith(RECORDINGS):
         check_readable(along, "the recorded motion")
         return
     from asmc_pin.experiment.finding import find_experiment
@@ -133,8 +136,8 @@ def check_motion(along: str | None) -> None:
 
 
 def _motion(along: str, arm: Arm) -> Any:
-    """An experiment, of which the motion alone is wanted, or recorded data where the name ends in .csv."""
-    if along.lower().endswith(".csv"):
+    """An experiment, of which the motion alone is wanted, or recorded data where the name ends as those do."""
+    if along.lower().endswith(RECORDINGS):
         from asmc_pin.condition.domain.recorded_motion import read_recording
 
         return read_recording(along, arm)

@@ -24,6 +24,13 @@ ExperimentArgument: TypeAlias = Annotated[
     str, typer.Argument(metavar="EXPERIMENT", help="A TOML file, or the name of a shipped experiment.")
 ]
 
+MeasuredOption: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--plant", metavar="FILE", help="Lay the arm and plant that 'asmc-pin identify --out FILE' measured over it."
+    ),
+]
+
 
 @app.command(rich_help_panel=STUDIES)
 def compare(
@@ -33,6 +40,7 @@ def compare(
     refine: Annotated[
         bool, typer.Option("--refine", help="Run again with half the step, and say how far each metric moves.")
     ] = False,
+    plant: MeasuredOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Run every controller of an experiment on the same plant; write trajectories, tables, figures and a report.
@@ -41,7 +49,7 @@ def compare(
     """
     from asmc_pin.experiment import load_experiment
 
-    loaded = load_experiment(experiment)
+    loaded = load_experiment(experiment, plant=plant)
     announce_compiling()
     from asmc_pin.study import compare as run
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from asmc_pin.cli.app import STUDIES, app
-from asmc_pin.cli.commands.study_commands import ExperimentArgument, print_comparison, warn
+from asmc_pin.cli.commands.study_commands import ExperimentArgument, MeasuredOption, print_comparison, warn
 from asmc_pin.cli.console import announce_compiling, print_json, progress_bar, say
 from asmc_pin.cli.interrupt import stopping_short
 from asmc_pin.cli.options import JsonOption
@@ -44,6 +44,7 @@ def sweep(
     report: Annotated[
         str | None, typer.Option(metavar="FILE", help="Write the page here too: .html, or .md with figures beside it.")
     ] = None,
+    plant: MeasuredOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Run every controller in many trials that vary as its table 'sweep' says; started again, it goes on where it was.
@@ -52,7 +53,7 @@ def sweep(
     """
     from asmc_pin.experiment import load_experiment
 
-    loaded = load_experiment(experiment)
+    loaded = load_experiment(experiment, plant=plant)
     if report is not None:
         from asmc_pin.disk.files import check_writable
         from asmc_pin.pages.plates import is_html

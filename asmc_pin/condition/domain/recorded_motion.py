@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,15 +11,9 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.norm.two_conditions import check_mbar
-from asmc_pin.disk.reading import read_file, shown
 from asmc_pin.errors import ParameterError
-from asmc_pin.words.mistyped import other_separator
+from asmc_pin.logs.log_table import numbers, read_table
 from asmc_pin.words.text import printable
-
-LARGEST = 1_000_000_000
-"""Bytes of a recording at most: an hour of seven joints at 1 kHz."""
-
-_MOST_COLUMNS = 10_000
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -46,7 +39,7 @@ class Recording:
 
 
 def read_recording(path: str | Path, arm: Arm) -> Recording:
-    """Read the log of an arm from a CSV file.
+    """Read the log of an arm from a CSV file, also gzipped or with ``;``, or Parquet.
 
     The header names the columns: ``t`` or ``time`` in s; per joint ``q1`` … or ``q_<joint>`` in rad; and, as far as
     they were logged, ``v1`` … or ``v_<joint>`` in rad/s and ``tau1`` … or ``tau_<joint>`` in N·m. Others are ignored.
@@ -62,14 +55,13 @@ def read_recording(path: str | Path, arm: Arm) -> Recording:
         ParameterError: It cannot be read, a column is missing, or a row is malformed; the message names the line.
     """
     path = Path(path)
-    table = _table(path)
-    columns = [str(name).strip() for name in table.columns]
-    table.columns = columns
+    table = read_table(path, _fail)
+    columns = list(table.columns)
     clock = next((name for name in ("t", "time") if name in columns), None)
     if clock is None:
         given = printable(", ".join(columns))
         raise ParameterError("along", f"{path.name} has no column 't' or 'time'; its columns: {given}")
-    time = _numbers(path, table, [clock])[:, 0]
+    time = numbers(path, table, [clock], _fail)[:, 0]
     if len(time) < 2:
         raise ParameterError("along", f"{path.name} has {len(time)} rows, at least 2 expected")
     late = np.flatnonzero(np.diff(time) <= 0.0)
@@ -84,31 +76,6 @@ def read_recording(path: str | Path, arm: Arm) -> Recording:
     return Recording(
         path.name, time, q, _group(path, table, "v", arm.joint_names), _group(path, table, "tau", arm.joint_names)
     )
-
-
-def _table(path: Path) -> Any:
-    import pandas as pd
-
-    def fail(message: str) -> ParameterError:
-        return ParameterError(
-            "along", f"{shown(path)} cannot be read as CSV: {message.removeprefix(f'{shown(path)}: ')}"
-        )
-
-    data = read_file(path, LARGEST, "a recording", fail)
-    # Before pandas sees it, which takes a kilobyte for every column, whatever it holds.
-    if data[: data.find(b"\n") if b"\n" in data else None].count(b",") >= _MOST_COLUMNS:
-        raise fail(f"its header has more than {_MOST_COLUMNS} columns")
-    foreign = other_separator(data.partition(b"\n")[0][:10_000].decode("utf-8", "replace"), path.name)
-    if foreign is not None:
-        raise ParameterError("along", f"{shown(path)} {foreign}")
-    try:
-        table = pd.read_csv(io.BytesIO(data), skipinitialspace=True, encoding="utf-8-sig")
-    except Exception as error:  # pandas' parsers raise classes that have nothing in common
-        said = printable(" ".join(str(error).split()))
-        raise fail(said or type(error).__name__) from None
-    if not isinstance(table.index, pd.RangeIndex):
-        raise fail("its rows have more values than its header has names")
-    return table
 
 
 def tde_error(arm: Arm, mbar: Any, recording: Recording, *, period: float | None = None) -> Array:
@@ -152,6 +119,10 @@ def tde_error(arm: Arm, mbar: Any, recording: Recording, *, period: float | None
     return error
 
 
+def _fail(message: str) -> ParameterError:
+    return ParameterError("along", message)
+
+
 def _group(path: Path, table: Any, kind: str, joints: Sequence[str]) -> Array | None:
     """The columns of one quantity in the order of the joints; None where there is none of them."""
     found = []
@@ -165,25 +136,4 @@ def _group(path: Path, table: Any, kind: str, joints: Sequence[str]) -> Array | 
     if None in found:
         joint = joints[found.index(None)]
         raise ParameterError("along", f"{path.name} has no column '{kind}{found.index(None) + 1}' or '{kind}_{joint}'")
-    return _numbers(path, table, found)
-
-
-def _numbers(path: Path, table: Any, columns: Sequence[Any]) -> Array:
-    import pandas as pd
-
-    def numbers(name: Any) -> Array:
-        try:
-            return np.asarray(pd.to_numeric(table[name], errors="coerce"), dtype=np.float64)
-        except OverflowError:  # an integer beyond any float; as text it is infinite
-            return np.asarray(pd.to_numeric(table[name].astype(str), errors="coerce"), dtype=np.float64)
-
-    values = np.column_stack([numbers(name) for name in columns])
-    bad = np.argwhere(~np.isfinite(values))
-    if bad.size:
-        row, column = bad[0]
-        given = table[columns[column]].iloc[row]
-        raise ParameterError(
-            "along",
-            f"{path.name}, line {row + 2}, column '{columns[column]}': {printable(repr(given))} is not a finite number",
-        )
-    return values
+    return numbers(path, table, [str(name) for name in found], _fail)

@@ -1,0 +1,213 @@
+"""What most often makes a log contradict a URDF: signs, order and units of columns, and the direction of gravity.
+
+Each suspicion is a small change of the log or of the arm. It is tested as such: with the change, and with friction,
+armature and offset fitted joint by joint, how much of the logged torque does the model leave? The score is the mean
+over the joints of log(RMS left / RMS logged); what lowers it most is named, and the search goes on from there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import nnls
+
+from asmc_pin._typing import Array, IntArray
+from asmc_pin.arms import Arm
+from asmc_pin.identification.filtered_motion import FilteredMotion
+from asmc_pin.logs.joint_log import JointLog
+from asmc_pin.words.text import quoted
+
+_GAIN = 0.05  # of the score, for a suspicion to be named
+_TIE = 0.01
+_MOST_ROWS = 500
+_ROUNDS = 4
+_FACTORS = {1e-3: "N·mm", 1e3: "kN·m", 1e-2: "N·cm"}
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A log and an arm as a suspicion has them; arrays of shape (R, nv).
+
+    Attributes:
+        arm: The arm.
+        q: rad.
+        v: rad/s.
+        a: rad/s².
+        torque: N·m.
+    """
+
+    arm: Arm
+    q: Array
+    v: Array
+    a: Array
+    torque: Array
+
+    def model(self) -> Array:
+        """The torque that the URDF says, (R, nv), N·m."""
+        inertial = np.einsum("tij,tj->ti", self.arm.mass_matrix(self.q), self.a)
+        return np.asarray(inertial + self.arm.bias(self.q, self.v))
+
+
+@dataclass(frozen=True, eq=False)
+class Suspicion:
+    """A suspicion that was confirmed.
+
+    Attributes:
+        text: What is wrong, and what to do.
+        score: With it put right.
+        before: Without.
+    """
+
+    text: str
+    score: float
+    before: float
+
+
+def view_of(arm: Arm, motion: FilteredMotion) -> View:
+    """Some hundred rows of a log."""
+    rows = motion.rows[:: max(1, len(motion.rows) // _MOST_ROWS)]
+    return View(arm, motion.q[rows], motion.v[rows], motion.a[rows], motion.torque(motion.time[rows]))
+
+
+def suspect(arm: Arm, motion: FilteredMotion, log: JointLog) -> list[Suspicion]:
+    """Test every suspicion.
+
+    Args:
+        arm: As its URDF says.
+        motion: The log, filtered.
+        log: As it was read.
+
+    Returns:
+        What was confirmed, the gravest first; empty where the log agrees with the URDF as far as these go.
+    """
+    found = [*_of_velocities(motion, log)]
+    here = view_of(arm, motion)
+    model = here.model()
+    score = _score(here, model)
+    for _ in range(_ROUNDS):
+        tried = [(_score(view, torque), text, view, torque) for text, view, torque in _changes(here, model)]
+        best = min(tried, key=lambda item: item[0])
+        if best[0] > score - _GAIN:
+            break
+        ties = [text for other, text, _, _ in tried if other < best[0] + _TIE and text != best[1]]
+        also = f"; just as well: {'; or '.join(ties[:2])}" if ties else ""
+        found.append(Suspicion(f"{best[1]}{also}", best[0], score))
+        score, _, here, model = best
+    return found
+
+
+def _score(view: View, model: Array) -> float:
+    left = []
+    for j in range(view.arm.nv):
+        columns = np.column_stack(
+            [np.sign(view.v[:, j]), view.v[:, j], view.a[:, j], np.ones(len(model)), -np.ones(len(model))]
+        )
+        size = np.maximum(np.linalg.norm(columns, axis=0), 1e-12)
+        _, rest = nnls(columns / size, view.torque[:, j] - model[:, j])
+        logged = float(np.linalg.norm(view.torque[:, j] - view.torque[:, j].mean()))
+        left.append(float(np.log(max(float(rest), 1e-9 * logged, 1e-12) / max(logged, 1e-12))))
+    return float(np.mean(left))
+
+
+def _changes(view: View, model: Array) -> Iterator[tuple[str, View, Array]]:
+    nv, names = view.arm.nv, [quoted(name) for name in view.arm.joint_names]
+
+    def moved(text: str, torque: Array, **motion: Array) -> tuple[str, View, Array]:
+        other = View(view.arm, motion["q"], motion["v"], motion["a"], torque)
+        return text, other, other.model()
+
+    for j in range(nv):
+        sign = np.where(np.arange(nv) == j, -1.0, 1.0)
+        flipped = {"q": view.q * sign, "v": view.v * sign, "a": view.a * sign}
+        yield f"the torque of joint {names[j]} has the opposite sign", replace(view, torque=view.torque * sign), model
+        yield moved(f"the angle of joint {names[j]} has the opposite sign", view.torque, **flipped)
+        yield moved(f"angle and torque of joint {names[j]} have the opposite sign", view.torque * sign, **flipped)
+    yield "all torques have the opposite sign", replace(view, torque=-view.torque), model
+    orders = [
+        (f"joints {names[i]} and {names[j]} are swapped", _swapped(nv, i, j)) for i in range(nv) for j in range(i)
+    ]
+    if nv > 2:
+        orders.append(("the joints stand in reverse order, tip first", np.arange(nv, dtype=np.int64)[::-1]))
+    for text, order in orders:
+        rows = {"q": view.q[:, order], "v": view.v[:, order], "a": view.a[:, order]}
+        yield (
+            f"the torques of {text}" if text[0] == "j" else text + " (torques)",
+            replace(view, torque=view.torque[:, order]),
+            model,
+        )
+        yield moved(f"the angles of {text}" if text[0] == "j" else text + " (angles)", view.torque, **rows)
+        yield moved(text, view.torque[:, order], **rows)
+    for factor, unit in _FACTORS.items():
+        yield f"the torques are in {unit}, not N·m", replace(view, torque=view.torque * factor), model
+    turning = np.array([kind == "revolute" for kind in view.arm.joint_kinds])
+    for factor, text in (
+        (np.deg2rad(1.0), "the angles are in degrees, not rad"),
+        (2.0 * np.pi, "the angles are in turns"),
+    ):
+        scale = np.where(turning, factor, 1.0)
+        yield moved(text, view.torque, q=view.q * scale, v=view.v * scale, a=view.a * scale)
+    yield _along_gravity(view, model)
+
+
+def _swapped(nv: int, i: int, j: int) -> IntArray:
+    order = np.arange(nv, dtype=np.int64)
+    order[[i, j]] = order[[j, i]]
+    return order
+
+
+def _along_gravity(view: View, model: Array) -> tuple[str, View, Array]:
+    """The direction of gravity that explains the torques best, of the magnitude that the arm is loaded with."""
+    nv, rows = view.arm.nv, len(model)
+    axes = (view.arm.replace(gravity=9.81 * axis) for axis in np.eye(3))
+    unit = np.stack([arm.gravity(view.q) / 9.81 for arm in axes], axis=-1)
+    old = view.arm.gravity_vector
+    rest = view.torque - (model - unit @ old)
+    columns, target = [], []
+    for j in range(nv):
+        weight = 1.0 / max(float(np.std(view.torque[:, j])), 1e-9)
+        own = np.zeros((rows, 4 * nv))
+        own[:, 4 * j : 4 * j + 4] = np.column_stack([np.sign(view.v[:, j]), view.v[:, j], view.a[:, j], np.ones(rows)])
+        columns.append(weight * np.hstack([unit[:, j], own]))
+        target.append(weight * rest[:, j])
+    found = np.linalg.lstsq(np.vstack(columns), np.concatenate(target), rcond=None)[0][:3]
+    size, fitted = float(np.linalg.norm(old)) or 9.81, float(np.linalg.norm(found))
+    new = found * size / fitted if fitted > 0.0 else old
+    angle = np.rad2deg(np.arccos(np.clip(new @ old / (size * float(np.linalg.norm(old)) or 1.0), -1.0, 1.0)))
+    told = ", ".join(f"{x:.2f}" for x in new)
+    if angle < 3.0:
+        new = old  # nothing to be named
+    text = f"gravity points along ({told}) m/s² in the base frame, {angle:.0f}° from what was assumed; give gravity so"
+    arm = view.arm.replace(gravity=new)
+    return text, replace(view, arm=arm), model + unit @ (new - old)
+
+
+def _of_velocities(motion: FilteredMotion, log: JointLog) -> Iterator[Suspicion]:
+    """Logged velocities against the derivative of the angles: sign, unit and order."""
+    if log.v is None or motion.from_velocity:
+        own = None if log.v is None else np.gradient(motion.q, motion.step, axis=0)
+    else:
+        own = motion.v
+    if log.v is None or own is None:
+        return
+    logged = np.column_stack([np.interp(motion.time, log.time, log.v[:, j]) for j in range(log.v.shape[1])])
+    for j, name in enumerate(log.joint_names):
+        power = float(own[:, j] @ own[:, j])
+        slope = float(logged[:, j] @ own[:, j]) / power if power > 0.0 else 1.0
+        if power == 0.0 or not np.std(logged[:, j]):
+            continue  # it stands still
+        with np.errstate(invalid="ignore"):
+            match = np.nan_to_num(np.abs(np.corrcoef(logged[:, j], own, rowvar=False)[0, 1:]))
+        if match[j] < 0.8 and match.max() > 0.95:
+            other = log.joint_names[int(match.argmax())]
+            yield Suspicion(
+                f"the velocity of joint {quoted(name)} is that of {quoted(other)}: their order is wrong", 0.0, 0.0
+            )
+        elif match[j] > 0.8 and slope < 0.0:
+            yield Suspicion(f"the velocity of joint {quoted(name)} has the opposite sign of its angle", 0.0, 0.0)
+        elif match[j] > 0.8 and not 0.8 < slope < 1.25:
+            unit = "; it is in degrees/s" if 50.0 < slope < 65.0 else "; angles are in degrees" if slope < 0.02 else ""
+            yield Suspicion(
+                f"the velocity of joint {quoted(name)} is {slope:.3g} times the derivative of its angle{unit}", 0.0, 0.0
+            )
