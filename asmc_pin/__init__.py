@@ -21,6 +21,11 @@ if TYPE_CHECKING:
     from asmc_pin.arms.urdf.urdf_reading import Mimic as Mimic
     from asmc_pin.baselines import BASELINES as BASELINES
     from asmc_pin.baselines import ModelLaw as ModelLaw
+    from asmc_pin.codegen.exporting import Exported as Exported
+    from asmc_pin.codegen.exporting import export as export
+    from asmc_pin.codegen.loaded_law import LoadedLaw as LoadedLaw
+    from asmc_pin.codegen.loaded_law import LoadedState as LoadedState
+    from asmc_pin.codegen.loaded_law import load_exported as load_exported
     from asmc_pin.condition import Bound as Bound
     from asmc_pin.condition import BoundsReport as BoundsReport
     from asmc_pin.condition import ConditionReport as ConditionReport

@@ -24,6 +24,9 @@ class Program:
 
 
 PROGRAMS = {
+    "c": Program(("gcc",), "gcc"),
+    "c++": Program(("g++",), "g++"),
+    "clang": Program(("clang",), "clang"),
     "browser": Program(("chromium", "chromium-browser", "google-chrome"), "chromium"),
     "latex": Program(("pdflatex",), "texlive-latex-recommended"),
 }

@@ -81,6 +81,15 @@ MAY_IMPORT: dict[str, set[str]] = {
     "results": {"arms", "references", "plant", "engine", "metrics", "monitors", "experiment", "statistics"},
     "viewer": {"arms", "metrics", "experiment", "results"},
     "inspection": {"arms", "viewer"},
+    "codegen": {
+        "arms",
+        "controllers",
+        "condition.checker",
+        "condition.hypotheses",
+        "plant",
+        "engine",
+        "experiment",
+    },
     "pages": {
         "arms",
         "controllers",

@@ -9,9 +9,10 @@ import typer
 
 from asmc_pin.cli.console import say
 
-MBAR, STUDIES, PICTURES, LISTS = PANELS = (
+MBAR, STUDIES, ROBOT, PICTURES, LISTS = PANELS = (
     "May I use this M̄, and with which gains?",
     "Which controller is better?",
+    "How does it come to the robot?",
     "What does it look like?",
     "What is there, and can it be believed?",
 )

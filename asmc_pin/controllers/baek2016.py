@@ -95,6 +95,16 @@ class Baek2016(TdeLaw):
         """State before the first tick, from the sample of t = 0; k̂₀ = 0."""
         return AdaptiveState(self.start(sample), np.zeros(sample.q.shape))
 
+    row_meanings: ClassVar[Mapping[str, str]] = {
+        "growth": "L φ/α, growth of k̂ in a tick per unit of |s|, 1/s",
+        "drop": "L φ α, loss of k̂ in a tick times |s|, rad²/s³",
+        "epsilon": "ε, rad/s",
+        "threshold": "k̂ at or below it counts as 0, rad/s²",
+        "explicit": "1: k̂ sgn(s); 0: by backward Euler; no unit",
+        "of_s": "λ b/g of backward Euler per unit of s, 1/s",
+        "of_rate": "λ b/g of backward Euler per unit of ė, 1/s",
+    }
+
     def own_rows(self) -> tuple[ArrayLike, ...]:
         """L φ/α, growth per |s|; L φα, loss times |s|; ε; the threshold; whether explicit; λ b/g per s and per ė."""
         return (

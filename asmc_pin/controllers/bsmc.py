@@ -56,6 +56,11 @@ class Bsmc(TdeLaw):
     gain: PerJoint = PerJoint("K", "rad/s²", at_least=0.0)
     boundary: PerJoint = PerJoint("Φ", "rad/s", above=0.0)
 
+    row_meanings: ClassVar[Mapping[str, str]] = {
+        "gain": "K, rad/s²",
+        "boundary": "Φ, rad/s",
+    }
+
     def own_rows(self) -> tuple[ArrayLike, ...]:
         """K and Φ; see `_step`."""
         return self.gain, self.boundary

@@ -93,6 +93,17 @@ class Plestan2010(TdeLaw):
         """State before the first tick, from the sample of t = 0; k̂₀ = μ."""
         return AdaptiveState(self.start(sample), np.full(sample.q.shape, self.floor))
 
+    row_meanings: ClassVar[Mapping[str, str]] = {
+        "rate": "L k̄, 1/s",
+        "epsilon": "ε where it is constant, else 0, rad/s",
+        "epsilon_per_gain": "ε per unit of k̂ where it is 4 k̂ L, else 0, s",
+        "floor": "μ, rad/s²",
+        "rise": "L μ, what k̂ grows by in a tick at the floor, rad/s²",
+        "explicit": "1: k̂ sgn(s); 0: by backward Euler; no unit",
+        "of_s": "λ b/g of backward Euler per unit of s, 1/s",
+        "of_rate": "λ b/g of backward Euler per unit of ė, 1/s",
+    }
+
     def own_rows(self) -> tuple[ArrayLike, ...]:
         """L k̄; ε, and ε per unit of k̂, of which one is 0; μ; L μ; whether explicit; λ b/g per s and per ė."""
         relative = isinstance(self.epsilon, str)

@@ -130,6 +130,15 @@ class TdeLaw(CompiledLaw):
     theorem1: ClassVar[bool] = False
     """Whether Lemma 2, (16) and Theorem 1 are proved for it: it adapts by (11), with φ, α, ε and a threshold."""
 
+    row_meanings: ClassVar[Mapping[str, str]] = {
+        "mbar": "diagonal of M̄, kg·m²",
+        "ks": "diagonal of K_s, 1/s",
+        "beta": "β, 1/s",
+        "filter_weight": "weight of the newest value in the low-pass on q̈(t−L), no unit; 1: no filter",
+        "by_position": "1: q̈(t−L) by second differences of the angle; 0: by differences of the velocity; no unit",
+        "averages_torque": "1: the mean of the last two torques goes with it; 0: the last torque; no unit",
+    }
+
     mbar: PerJoint = PerJoint("diagonal of M̄", "kg·m²", above=0.0)
     ks: PerJoint = PerJoint("diagonal of K_s", "1/s", above=0.0)
     beta: Scalar = Scalar("β", "1/s", above=0.0)

@@ -10,6 +10,8 @@ Condition: TypeAlias = Literal["lemma1", "weighted"]
 Objective: TypeAlias = Literal["contraction", "bandwidth"]
 Form: TypeAlias = Literal["diagonal", "scalar"]
 Acceleration: TypeAlias = Literal["velocity", "position"]
+RealType: TypeAlias = Literal["double", "float"]
+"""Of the numbers in exported code."""
 Velocity: TypeAlias = Literal["measured", "difference"]
 """How a drive's velocity is made: measured by itself, or the difference of two readings of the angle."""
 Pairing: TypeAlias = Literal["matched", "last", "mean"]

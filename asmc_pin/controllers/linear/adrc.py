@@ -102,6 +102,12 @@ class Adrc(TdeLaw):
         self.start(sample)
         return ExtendedState(sample.q.copy(), sample.v.copy(), -sample.torque / self.mbar, 0)
 
+    row_meanings: ClassVar[Mapping[str, str]] = {
+        "first": "gain of the observer on the angle, no unit",
+        "second": "gain of the observer on the velocity, 1/s",
+        "third": "gain of the observer on the load, 1/s²",
+    }
+
     def own_rows(self) -> tuple[ArrayLike, ...]:
         """The observer's gains l."""
         return self.observer_gains

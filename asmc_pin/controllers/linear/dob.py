@@ -85,6 +85,10 @@ class Dob(TdeLaw):
         """State before the first tick; Γ̂ is that of the torque held at rest, −M̄⁻¹ τ(0)."""
         return ObserverState(self.start(sample), -sample.torque / self.mbar)
 
+    row_meanings: ClassVar[Mapping[str, str]] = {
+        "weight": "c, weight of the newest Γ̂ in its low-pass, no unit",
+    }
+
     def own_rows(self) -> tuple[ArrayLike, ...]:
         """The weight c."""
         return (self.estimate_weight,)

@@ -97,6 +97,10 @@ class Ivf(TdeLaw):
         """State before the first tick; z₀ = 0."""
         return IdealVelocityState(self.start(sample), -sample.torque / self.mbar, np.zeros_like(sample.q))
 
+    row_meanings: ClassVar[Mapping[str, str]] = {
+        "gain": "G, 1/s",
+    }
+
     def own_rows(self) -> tuple[ArrayLike, ...]:
         """The gain G."""
         return (self.gain,)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar, NamedTuple, Self
 
@@ -146,6 +147,12 @@ class Pid(TdeLaw):
         """State before the first tick."""
         self.start(sample)
         return PidState(0, *(np.zeros_like(sample.q) for _ in range(3)))
+
+    row_meanings: ClassVar[Mapping[str, str]] = {
+        "kp": "k_p, N·m/rad",
+        "ki": "L k_i, N·m/rad",
+        "kd": "L k_d, N·m·s²/rad",
+    }
 
     def own_rows(self) -> tuple[ArrayLike, ...]:
         """The gains k_p, L k_i and L k_d."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -24,6 +24,9 @@ class CompiledLaw:
 
     trial_step: ClassVar[TrialStep | None] = None
     """The step for one trial; None for a law that has its step in numpy. It may be a property."""
+    row_meanings: ClassVar[Mapping[str, str]] = {}
+    """What rows of its parameters are, with their units, by the small letters of the constants that the step reads them
+    by; those of the classes that it derives from count too. Exported code has them as comments."""
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """A class that says itself what a step is does not have the compiled step of the law that it derives from."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import re
 from collections.abc import Iterator
 from typing import Any, TypeVar
 
@@ -52,3 +54,32 @@ def row_of(state: Any, name: str) -> int | None:
     wanted = getattr(state, name, None)
     arrays = [leaf for leaf in _leaves(state) if not isinstance(leaf, int)]
     return next((row for row, array in enumerate(arrays) if array is wanted), None)
+
+
+def named_rows(state: Any) -> list[tuple[str, str, Any]]:
+    """The rows of memory as (name of the field, what its class says of it, what it holds), in their order."""
+    found: list[tuple[str, str, Any]] = []
+    if isinstance(state, tuple):
+        said = _said_of_fields(type(state))
+        for name, part in zip(getattr(state, "_fields", range(len(state))), state, strict=True):
+            if isinstance(part, tuple):
+                found += named_rows(part)
+            elif part is not None and not isinstance(part, int):
+                found.append((str(name), said.get(str(name), ""), part))
+    return found
+
+
+def _said_of_fields(kind: type) -> dict[str, str]:
+    """What a named tuple's docstring says of each field, under ``Attributes:``, without the shape."""
+    said: dict[str, str] = {}
+    name = ""
+    for line in (inspect.getdoc(kind) or "").partition("Attributes:")[2].split("\n")[1:]:
+        begun = re.match(r" {4}(\w+): (.*)", line)
+        if begun:
+            name = begun[1]
+            said[name] = begun[2]
+        elif name and line.startswith("     "):
+            said[name] += f" {line.strip()}"
+        elif line.strip():
+            break
+    return {name: re.sub(r"(, |; each )?\(batch, nv\)", "", text) for name, text in said.items()}

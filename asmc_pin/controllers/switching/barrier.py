@@ -72,6 +72,11 @@ class Barrier(TdeLaw):
         """State before the first tick; k̂ is that of s = 0."""
         return AdaptiveState(self.start(sample), np.zeros(sample.q.shape))
 
+    row_meanings: ClassVar[Mapping[str, str]] = {
+        "width": "ε, rad/s",
+        "limit": "U, the largest k̂, rad/s²",
+    }
+
     def own_rows(self) -> tuple[ArrayLike, ...]:
         """Width and limit."""
         return self.width, self.limit

@@ -58,6 +58,12 @@ class Implicit(TdeLaw):
     gain: PerJoint = PerJoint("K", "rad/s²", at_least=0.0)
     share: Scalar = Scalar("λ, the part of the next s that is taken away", above=0.0, at_most=1.0)
 
+    row_meanings: ClassVar[Mapping[str, str]] = {
+        "gain": "K, rad/s²",
+        "of_s": "λ b/g of backward Euler per unit of s, 1/s",
+        "of_rate": "λ b/g of backward Euler per unit of ė, 1/s",
+    }
+
     def own_rows(self) -> tuple[ArrayLike, ...]:
         """K, and λ b/g per unit of s and of ė."""
         return self.gain, *band_slopes(self, self.share)

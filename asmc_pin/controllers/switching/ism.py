@@ -83,6 +83,10 @@ class Ism(TdeLaw):
         """State before the first tick; σ₀ = 0."""
         return IntegralSurfaceState(self.start(sample), -sample.torque / self.mbar, np.zeros_like(sample.q))
 
+    row_meanings: ClassVar[Mapping[str, str]] = {
+        "gain": "K, rad/s²",
+    }
+
     def own_rows(self) -> tuple[ArrayLike, ...]:
         """The gain K."""
         return (self.gain,)

@@ -87,6 +87,13 @@ class Ntsm(TdeLaw):
     gain: PerJoint = PerJoint("K", "rad/s²", at_least=0.0)
     boundary: PerJoint = PerJoint("Φ", "rad", above=0.0)
 
+    row_meanings: ClassVar[Mapping[str, str]] = {
+        "exponent": "p, no unit",
+        "stiffness": "B, (rad/s)^p/rad",
+        "gain": "K, rad/s²",
+        "boundary": "Φ, rad",
+    }
+
     def own_rows(self) -> tuple[ArrayLike, ...]:
         """The exponent p and B, K, Φ."""
         return self.exponent, self.stiffness, self.gain, self.boundary

@@ -110,6 +110,14 @@ class Sta(TdeLaw):
         zero = np.zeros_like(sample.q)
         return SuperTwistingState(self.start(sample), zero, np.maximum(zero + 1.0, self.floor), sample.torque.copy())
 
+    row_meanings: ClassVar[Mapping[str, str]] = {
+        "k1": "k₁, (rad/s³)^½",
+        "k2": "L k₂, rad/s²",
+        "rate": "change of the gains' scale in a tick, no unit",
+        "threshold": "|s| above which the scale grows, rad/s",
+        "floor": "least scale, no unit",
+    }
+
     def own_rows(self) -> tuple[ArrayLike, ...]:
         """Both gains, the second over a period; what the scale changes by in a period; threshold and floor."""
         return self.k1, self.period * self.k2, self.period * self.rate, self.threshold, self.floor
