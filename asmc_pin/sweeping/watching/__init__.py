@@ -1,0 +1,4 @@
+"""Watching what is being computed: how far a sweep is, and a comparison as soon as it is whole.
+
+Takes the folder of a result that may not be there yet; serves a page. May import what `sweeping` may; computes nothing.
+"""
