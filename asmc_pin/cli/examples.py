@@ -28,9 +28,16 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "compare": ("compare demo", "compare mine.toml --out results/first --refine"),
         "report": ("report demo", "report results/first"),
         "demo": ("demo",),
+        "tune": ("tune ur5_tuning", "tune mine.toml --trials 128 --report tuned.html"),
         "sweep": ("sweep ur5_robustness --trials 64", "sweep ur5_robustness --trials 64 --replay 17"),
         "reproduce": ("reproduce", "reproduce simulation_smooth --no-search"),
-        "view": ("view demo", "view demo --html demo.html"),
+        "view": (
+            "view demo",
+            "view demo --html demo.html",
+            "view demo --png demo.png --time 2.5",
+            "view demo --mp4 demo.mp4",
+            "view ur5_robustness-sweep --follow",
+        ),
         "inspect": (
             "inspect ur5 --html ur5.html",
             "inspect my_robot.urdf --package my_robot_description=./description",

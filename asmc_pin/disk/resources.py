@@ -1,4 +1,4 @@
-"""Where the shipped arms and experiments lie: inside an installed wheel, or at the top of a checkout."""
+"""Where shipped arms, experiments and documentation lie: inside an installed wheel, or at the top of a checkout."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ def shipped(folder: str) -> Path:
     """Folder of shipped files.
 
     Args:
-        folder: ``"urdf"`` or ``"experiments"``.
+        folder: ``"urdf"``, ``"experiments"`` or ``"docs"``.
 
     Returns:
         The folder inside the installed package, or the checkout's own when there is none.

@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 
 from asmc_pin._typing import Array
 from asmc_pin.pages.curves import running_max, spread, thinned
-from asmc_pin.pages.figure_style import BAND, COLUMN, GREY, PAGE, paper_style, save, shade, shade_sizes
+from asmc_pin.pages.figure_style import BAND, COLUMN, GREY, PAGE, line_look, paper_style, save, shade, shade_sizes
 from asmc_pin.pages.summary_tables import short_names
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.words.media import for_figure
@@ -101,10 +101,10 @@ def errors_figure(dataset: xr.Dataset, limit: Array) -> Figure:
         factor, unit = _angle(dataset, i)
         for _, color, k in _controllers(dataset):
             if logarithmic:
-                axis.plot(*running_max(time, factor * np.abs(error[k, :, i])), color=color)
+                _line(axis, k, color, *running_max(time, factor * np.abs(error[k, :, i])))
                 shade_sizes(axis, dataset.isel(controller=k), i, factor, color)
             else:
-                axis.plot(*thinned(time, factor * error[k, :, i]), color=color)
+                _line(axis, k, color, *thinned(time, factor * error[k, :, i]))
                 shade(axis, dataset.isel(controller=k), "error", i, factor, color)
         if logarithmic:
             axis.set_yscale("log")
@@ -131,10 +131,10 @@ def gains_and_s_figure(dataset: xr.Dataset, limit: Array) -> Figure:
         axes[i, 0].set_title(name, loc="left")
         metre = "m" if dataset.joint_kind.to_numpy()[i] == "prismatic" else "rad"
         for _, color, k in _controllers(dataset):
-            axes[i, -1].plot(*thinned(time, s[k, :, i]), color=color, linewidth=0.6)
+            _line(axes[i, -1], k, color, *thinned(time, s[k, :, i]), linewidth=0.6)
             shade(axes[i, -1], dataset.isel(controller=k), "s", i, 1.0, color)
             if k in adaptive:
-                axes[i, 0].plot(*thinned(time, gains[k, :, i]), color=color)
+                _line(axes[i, 0], k, color, *thinned(time, gains[k, :, i]))
                 shade(axes[i, 0], dataset.isel(controller=k), "gain", i, 1.0, color)
         axes[i, -1].set_ylabel(rf"$s_{{{i + 1}}}$ [{metre}/s]")
         if adaptive:
@@ -173,6 +173,10 @@ def torques_figure(dataset: xr.Dataset, limit: Array) -> Figure:
         axis.set_xlabel(TIME)
     _whole_run(figure, time)
     return figure
+
+
+def _line(axis: Axes, k: int, color: str, time: Array, values: Array, linewidth: float = 0.9) -> None:
+    axis.plot(time, values, **line_look(k, color, len(time)), linewidth=linewidth)
 
 
 def _joint_grid(dataset: xr.Dataset) -> tuple[Figure, list[Axes]]:
@@ -237,5 +241,12 @@ def _whole_run(figure: Figure, time: Array) -> None:
 
 
 def _legend(figure: Figure, dataset: xr.Dataset) -> None:
-    lines = [Line2D([], [], color=color, label=label, linewidth=1.2) for label, color, _ in _controllers(dataset)]
-    figure.legend(handles=lines, loc="outside upper center", ncols=min(len(lines), 5))
+    lines = [
+        Line2D([], [], **line_look(k, color), label=label, linewidth=1.2) for label, color, k in _controllers(dataset)
+    ]
+    # So many beside each other as the width has room for: a letter takes some 0.06 inch, a line 0.4.
+    longest = max(len(str(line.get_label())) for line in lines)
+    columns = int(figure.get_figwidth() // (0.06 * longest + 0.4))
+    figure.legend(
+        handles=lines, loc="outside upper center", ncols=max(1, min(len(lines), 5, columns)), handlelength=2.6
+    )

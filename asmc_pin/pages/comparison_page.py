@@ -1,7 +1,7 @@
 """`report.html`: what a comparison found, on one page that opens offline and can be mailed.
 
-Nothing in it depends on when or where it was made: the same result gives the same bytes. Figures are the PNG files of
-the result; the motion and its error over time are interactive. (plotly's bundle alone would weigh twice the rest.)
+Nothing in it depends on when or where it was made: the same result gives the same bytes. Plain words come first; motion
+and curves are interactive; the PNG files of the result follow as they would stand in a paper.
 """
 
 from __future__ import annotations
@@ -24,8 +24,20 @@ from asmc_pin.disk.reading import read_file, shown
 from asmc_pin.errors import ResultError
 from asmc_pin.metrics import METRICS, MOVED
 from asmc_pin.pages.comparison_figures import FIGURES
-from asmc_pin.pages.html_fragments import definition_list, definitions, details, table_html
-from asmc_pin.pages.summary_tables import figure_of_all, metric_table, moves, overview, per_joint, tool_table
+from asmc_pin.pages.html_fragments import definition_list, definitions, details, legend, scroll, table_html
+from asmc_pin.pages.interactive.figure_element import figure_element, figure_scripts
+from asmc_pin.pages.plain_words.after_comparison import after_comparison
+from asmc_pin.pages.plain_words.first_screen import allowed, compared, mbar_verdicts, winners
+from asmc_pin.pages.plain_words.terms import term_link, terms_html
+from asmc_pin.pages.summary_tables import (
+    figure_of_all,
+    metric_table,
+    moves,
+    overview,
+    per_joint,
+    short_names,
+    tool_table,
+)
 from asmc_pin.pages.tables.pair_tables import PAIRS_READ, figures_read, pair_table
 from asmc_pin.pages.tables.text_table import NOTHING, UNCONVERGED, Table, number
 from asmc_pin.pages.theorem_figures import CAPTION as THEOREMS_CAPTION
@@ -58,10 +70,14 @@ def report_text(result: Result) -> str:
     replay = replay_fragment(result)
     body = [
         *_head(result),
-        '<h2 id="motion">Motion</h2>',
+        '<h2 id="motion">Motion and curves</h2>',
+        legend(_label_list(result)),
         f'<div class="panel">{replay}</div>',
-        '<p class="soft">Drag to turn, scroll to zoom after a click, space plays and pauses. The translucent arm is '
-        "the reference; <em>Errors</em> magnifies the differences from it.</p>",
+        '<p class="soft">Drag to turn, scroll to zoom after a click, space plays and pauses; with the keyboard, arrows '
+        "step, shift and arrows turn the view, + and − zoom. The translucent arm is the reference; <em>Errors</em> "
+        "magnifies the differences from it.</p>",
+        figure_element(result, short_names(list(map(str, result.dataset.joint.to_numpy())))),
+        *_remarks(result),
         *_tables(result),
         *_figures(result),
         *([] if result.claims is None else theorem_section(result.claims, controller_colors(_label_list(result)))),
@@ -69,7 +85,9 @@ def report_text(result: Result) -> str:
         '<h2 id="metrics">How the figures are defined</h2>',
         '<p class="soft">Computed from the recorded trajectories, for each joint; e = q<sub>d</sub> − q. A law that '
         "diverged has no figures.</p>",
-        f'<div class="scroll" tabindex="0">{definitions(METRICS.values())}</div>',
+        scroll("Definitions of the metrics", definitions(METRICS.values())),
+        '<h2 id="terms">What the terms mean</h2>',
+        details("Glossary", f'<div class="body terms">{terms_html()}</div>'),
         *_provenance(result),
     ]
     return Template(_static("report.html")).substitute(
@@ -77,27 +95,43 @@ def report_text(result: Result) -> str:
         title=for_html(f"{result.experiment.name}: {' · '.join(_label_list(result))}"),
         style=static("player.css") + _static("report.css"),
         body="\n".join(body),
-        scripts=player_scripts(),
+        scripts="\n".join([player_scripts(), figure_scripts(), f"<script>{_static('report.js')}</script>"]),
     )
 
 
 def _head(result: Result) -> Iterator[str]:
     experiment = result.experiment
-    about, arm = _about(result)
+    about, _ = _about(result)
     trials = result.summary.trial.nunique()
-    several = f", {trials} trials of each" if trials > 1 else ""
     yield f"<h1>{for_html(experiment.name)}</h1>"
-    yield (
-        f'<p class="lead">{for_html(", ".join(_label_list(result)))} on {for_html(about.title)}, {arm.nv} joints, '
-        f"{experiment.duration:g} s, control period {1e3 * experiment.period:g} ms{several}.</p>"
-    )
+    said = compared(_label_list(result), about, experiment.duration, experiment.period, trials)
+    yield f'<p class="lead">{for_html(said)}</p>'
+    yield '<dl class="findings">'
+    for heading, sentence in winners(result.summary):
+        yield f"<dt>{for_html(heading)}</dt><dd>{for_html(sentence)}</dd>"
+    verdicts = mbar_verdicts(result.claims)
+    question = f"Was {term_link('mbar', 'M̄')} allowed?"
+    condition = f" ({term_link('lemma1', 'Lemma 1')})" if verdicts else ""
+    yield f"<dt>{question}</dt><dd>{for_html(allowed(verdicts))}{condition}</dd>"
+    step = after_comparison(experiment, verdicts, experiment.name)
+    yield f"<dt>What to do next</dt><dd>{for_html(step.what[:1].upper() + step.what[1:])}: "
+    yield f"<code>{for_html(step.command)}</code></dd></dl>"
     yield '<ul class="cards">'
     yield from _cards(result)
     yield "</ul>"
+    warnings = str(result.dataset.attrs.get("warnings", "")).splitlines()
+    yield from _notes([("warning", line) for line in warnings])
+
+
+def _remarks(result: Result) -> Iterator[str]:
+    """What is worth knowing and is no warning."""
+    _, arm = _about(result)
     attributes = result.dataset.attrs
-    lines = [("warning", line) for line in str(attributes.get("warnings", "")).splitlines()]
-    lines += [("note", line) for line in str(attributes.get("notes", "")).splitlines()]
-    lines += [("note", f"URDF: {line}") for line in arm.warnings]
+    lines = [("note", line) for line in str(attributes.get("notes", "")).splitlines()]
+    yield from _notes([*lines, *(("note", f"URDF: {line}") for line in arm.warnings)])
+
+
+def _notes(lines: list[tuple[str, str]]) -> Iterator[str]:
     if lines:
         yield '<ul class="notes">'
         for kind, line in lines:
@@ -124,7 +158,7 @@ def _cards(result: Result) -> Iterator[str]:
         span = worst.ranges[k]
         figure += f'<span class="range">{for_html(" … ".join(span))}</span>' if span else ""
         yield (
-            f'<li style="--colour:{colours[label]}"><b>{for_html(label)}</b>'
+            f'<li data-controller="{for_html(label)}" style="--colour:{colours[label]}"><b>{for_html(label)}</b>'
             f'<span class="law">{for_html(str(dataset.law.to_numpy()[k]))}</span>'
             f'<span class="figure">{figure}<small>RMS error, worst joint</small></span>'
             f'<span class="state{" is-over" if over else ""}">{for_html(state)}</span></li>'
@@ -135,7 +169,7 @@ def _tables(result: Result) -> Iterator[str]:
     colours = controller_colors(_label_list(result))
 
     def html(table: Table) -> str:
-        return f'<div class="scroll" tabindex="0">{table_html(table, colours)}</div>'
+        return scroll(table.title, table_html(table, colours))
 
     summary = result.summary
     table = overview(summary)
@@ -179,7 +213,9 @@ def _figures(result: Result) -> Iterator[str]:
         return
     if len(there) > _MOST_FIGURES:
         raise ResultError(result.path, f"{result.path}: has {len(there)} figures, at most {_MOST_FIGURES} expected")
-    yield '<h2 id="figures">Figures</h2>'
+    yield '<h2 id="figures">Figures for a paper</h2>'
+    yield '<p class="soft">As they lie in <code>figures/</code>, as PDF too.</p><details><summary>Show them</summary>'
+    yield '<div class="body">'
     captions = {name: drawing.caption for name, drawing in FIGURES.items()} | {THEOREMS: THEOREMS_CAPTION}
     for name in [*(name for name in captions if name in there), *(name for name in there if name not in captions)]:
         path, caption = there[name], captions.get(name, f"{name.replace('_', ' ').capitalize()}.")
@@ -188,6 +224,7 @@ def _figures(result: Result) -> Iterator[str]:
             f'<figure><div class="paper"><img alt="{for_html(caption)}" src="data:image/png;base64,{data}"></div>'
             f"<figcaption>{for_html(caption)}</figcaption></figure>"
         )
+    yield "</div></details>"
 
 
 def _figure(result: Result, path: Path) -> bytes:
@@ -203,7 +240,7 @@ def _figure(result: Result, path: Path) -> bytes:
 def _conditions(result: Result) -> Iterator[str]:
     about, arm = _about(result)
     yield '<h2 id="conditions">Arm and experiment</h2>'
-    yield f'<div class="scroll" tabindex="0">{table_html(_joint_table(arm), {})}</div>'
+    yield scroll("Joints of the arm", table_html(_joint_table(arm), {}))
     yield definition_list(about.rows())
     yield details("The experiment as run", f"<pre>{for_html(result.experiment.to_toml().strip())}</pre>")
 

@@ -15,8 +15,12 @@ from matplotlib.figure import Figure
 
 from asmc_pin.pages.curves import envelope, running_max
 
-COLUMN, PAGE = 3.5, 7.16
-"""Width of one and of two columns, inch (IEEE)."""
+_POINT = 1.0 / 72.27
+COLUMN, PAGE = 252.0 * _POINT, 516.0 * _POINT
+"""Width of one and of two columns of a two-column journal (IEEE), inch: a figure of that size needs no scaling."""
+
+_DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)))
+_MARKERS = "os^Dv<>P"
 
 GREY = "#7F7F7F"
 
@@ -60,6 +64,28 @@ _STYLE: Any = {
     "svg.hashsalt": "asmc_pin",
     "savefig.dpi": 200,
 }
+
+
+def line_look(controller: int, color: str, points: int = 0) -> dict[str, Any]:
+    """How the line of a controller looks: told from the others by its dashes and its marker on grey paper too.
+
+    Args:
+        controller: Its place in the experiment.
+        color: Its colour on the screen.
+        points: How many points the line has, of which seven carry a marker; 0 for a line in a legend.
+
+    Returns:
+        Keywords of `matplotlib.axes.Axes.plot`.
+    """
+    step = max(1, points // 7)
+    return {
+        "color": color,
+        "linestyle": _DASHES[controller % len(_DASHES)],
+        "marker": _MARKERS[controller % len(_MARKERS)],
+        "markersize": 2.4 if points else 3.5,
+        "markeredgewidth": 0.0,
+        "markevery": (controller % 5 * step // 5, step) if points else None,  # those of two lines lie apart
+    }
 
 
 @contextmanager

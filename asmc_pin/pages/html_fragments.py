@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from asmc_pin.metrics import Metric
 from asmc_pin.pages.tables.text_table import Table
+from asmc_pin.viewer import controller_colors
 from asmc_pin.words.media import for_html
 
 
@@ -25,7 +26,8 @@ def table_html(table: Table, colours: Mapping[str, str]) -> str:
         cells = "".join(
             _cell(cell, (i, j) in marked, table.ranges.get((i, j))) for j, cell in enumerate(line[1:], start=1)
         )
-        rows.append(f'<tr><th scope="row">{chip}{for_html(line[0])}</th>{cells}</tr>')
+        whose = f' data-controller="{for_html(line[0].partition(", trial ")[0])}"' if colour else ""
+        rows.append(f'<tr{whose}><th scope="row">{chip}{for_html(line[0])}</th>{cells}</tr>')
     return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody></table>"
 
 
@@ -56,3 +58,25 @@ def definition_list(facts: Sequence[tuple[str, str]]) -> str:
 def details(summary: str, content: str) -> str:
     """Something to unfold. The summary is plain text, the content HTML."""
     return f"<details><summary>{for_html(summary)}</summary>{content}</details>"
+
+
+def scroll(name: str, content: str) -> str:
+    """What may be wider than the page, and then scrolls by itself; its name is for who cannot see it.
+
+    Where there is more to the right, ``report.js`` shows the line that says so.
+    """
+    return (
+        f'<div class="scroll-box"><div class="scroll" role="region" aria-label="{for_html(name)}" tabindex="0">'
+        f'{content}</div><p class="more" aria-hidden="true">more to the right →</p></div>'
+    )
+
+
+def legend(labels: Sequence[str]) -> str:
+    """A button for each controller, which hides it everywhere on the page; see ``report.js``."""
+    colours = controller_colors(labels)
+    buttons = "".join(
+        f'<button type="button" aria-pressed="true" data-label="{for_html(label)}">'
+        f'<span class="chip" style="--colour:{colours[label]}"></span>{for_html(label)}</button>'
+        for label in labels
+    )
+    return f'<div class="legend" role="group" aria-label="Controllers shown">{buttons}</div>'

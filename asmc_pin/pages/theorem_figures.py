@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 from asmc_pin._typing import Array, BoolArray
 from asmc_pin.pages.curves import running_max, thinned
-from asmc_pin.pages.figure_style import GREY, PAGE, paper_style, save
+from asmc_pin.pages.figure_style import GREY, PAGE, line_look, paper_style, save
 from asmc_pin.viewer.colours import PALETTE, controller_colors
 from asmc_pin.words.media import for_figure
 
@@ -62,20 +62,28 @@ def theorem_figure(monitors: xr.Dataset) -> Figure:
     for axis in figure.axes:
         axis.set_xlim(monitors.time[0], monitors.time[-1])
         axis.set_xlabel(TIME)
-    lines = [Line2D([], [], color=colors[label], label=for_figure(label), linewidth=1.2) for label in known]
+    lines = [
+        Line2D([], [], **line_look(labels.index(label), colors[label]), label=for_figure(label), linewidth=1.2)
+        for label in known
+    ]
     shared.legend(handles=lines, loc="outside upper center", ncols=min(len(lines), 5))
     return figure
 
 
 def _shared_panels(axes: Array, monitors: xr.Dataset, labels: list[str], colors: dict[str, str]) -> None:
     time = monitors.time.to_numpy()
+    places = {str(label): k for k, label in enumerate(monitors.controller.to_numpy())}
+
+    def line(axis: Axes, label: str, when: Array, values: Array) -> None:
+        axis.plot(when, values, **line_look(places[label], colors[label], len(when)))
+
     for label in labels:
         one = monitors.sel(controller=label)
-        axes[0].plot(*thinned(time, one.lemma1_norm.to_numpy()), color=colors[label])
+        line(axes[0], label, *thinned(time, one.lemma1_norm.to_numpy()))
         size = np.sqrt(np.sum(one.tde_error.to_numpy() ** 2, axis=1))
-        axes[1].plot(*running_max(time, size), color=colors[label])
+        line(axes[1], label, *running_max(time, size))
         # The largest of each window, as the claim is about every tick; what (I − M⁻¹M̄) leaves of N is the dotted one.
-        axes[2].plot(*_positive(*running_max(time, _ratio(size))), color=colors[label])
+        line(axes[2], label, *_positive(*running_max(time, _ratio(size))))
         carried = running_max(time, one.tde_carried.to_numpy())
         axes[2].plot(*_positive(*carried), color=colors[label], linestyle=":", linewidth=0.7)
     axes[0].axhline(1.0, color=GREY, linestyle="--", linewidth=0.6)

@@ -93,9 +93,13 @@ def theorems_latex(claims: pd.DataFrame, about: str) -> str:
         about: The arm with all that is supposed about it.
     """
     shown = asked(claims)
+    # Across both columns of a page; what is broken by what takes more than a line.
+    size, gap, label_share, share = (
+        (r"\footnotesize", 3, 0.15, 0.12) if len(shown) <= 6 else (r"\scriptsize", 2, 0.11, 0.07)
+    )
     lines = [
-        r"\begin{table}[t]",
-        r"  \centering",
+        r"\begin{table*}[t]",
+        rf"  \centering{size}\setlength{{\tabcolsep}}{{{gap}pt}}",
         rf"  \caption{{The theorems of Baek, Jin and Han (2016), held against the runs on {for_latex(about)}.}}",
         r"  \label{tab:theorems}",
         rf"  \begin{{tabular}}{{l{'l' * len(shown)}}}",
@@ -104,10 +108,15 @@ def theorems_latex(claims: pd.DataFrame, about: str) -> str:
         r"    \midrule",
     ]
     for label, rows in claims.groupby("controller", sort=False):
-        cells = [_latex_cell(rows[rows.claim == key]) for key in shown]
-        lines.append("    " + " & ".join([for_latex(str(label)), *cells]) + r" \\")
-    lines += [r"    \bottomrule", r"  \end{tabular}", r"\end{table}", ""]
+        cells = [_narrow(_latex_cell(rows[rows.claim == key]), share) for key in shown]
+        lines.append("    " + " & ".join([_narrow(for_latex(str(label)), label_share), *cells]) + r" \\")
+    lines += [r"    \bottomrule", r"  \end{tabular}", r"\end{table*}", ""]
     return "\n".join(lines)
+
+
+def _narrow(text: str, share: float) -> str:
+    """A cell that breaks its lines, and has a share of the page's width."""
+    return rf"\parbox[t]{{{share:.3g}\textwidth}}{{\raggedright {text}}}"
 
 
 def _latex_cell(rows: pd.DataFrame) -> str:

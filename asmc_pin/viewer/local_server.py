@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import webbrowser
+from collections.abc import Callable
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -37,9 +38,20 @@ def serve(directory: str | Path, port: int = 0, *, open_browser: bool = False) -
     from asmc_pin.results.result_folder import load_result
     from asmc_pin.viewer.result_replay import replay_html
 
-    with make_server(replay_html(load_result(directory)), port) as server:
+    serve_page(replay_html(load_result(directory)), port, open_browser=open_browser)
+
+
+def serve_page(
+    html: str | Callable[[], str], port: int = 0, *, what: str = "replay", open_browser: bool = False
+) -> None:
+    """Serve a page, see `make_server`, until Ctrl-C is pressed.
+
+    Raises:
+        ParameterError: The port is taken.
+    """
+    with make_server(html, port) as server:
         url = f"http://{ADDRESS}:{server.server_port}/"
-        print(f"replay: {url} (Ctrl-C ends it)", flush=True)
+        print(f"{what}: {url} (Ctrl-C ends it)", flush=True)
         if open_browser:
             webbrowser.open(url)
         try:
@@ -48,17 +60,17 @@ def serve(directory: str | Path, port: int = 0, *, open_browser: bool = False) -
             print()
 
 
-def make_server(html: str, port: int = 0) -> ThreadingHTTPServer:
+def make_server(html: str | Callable[[], str], port: int = 0) -> ThreadingHTTPServer:
     """A server of one page on 127.0.0.1, not yet serving.
 
     Args:
-        html: The page.
+        html: The page, or what makes it anew whenever it is asked for.
         port: 0 takes a free one.
 
     Raises:
         ParameterError: The port is taken, or not for us to take.
     """
-    content = html.encode()
+    fixed = None if callable(html) else html.encode()
 
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
@@ -75,6 +87,8 @@ def make_server(html: str, port: int = 0) -> ThreadingHTTPServer:
             elif self.path.partition("?")[0] != "/":
                 self.send_error(HTTPStatus.NOT_FOUND)
             else:
+                content = html().encode() if callable(html) else fixed
+                assert content is not None
                 self.send_response(HTTPStatus.OK)
                 self.send_header("Content-Type", "text/html; charset=utf-8")
                 self.send_header("Content-Length", str(len(content)))

@@ -48,7 +48,7 @@ def replay_element(description: Mapping[str, Any], notes: tuple[str, ...] = (), 
     return (
         f'<div class="replay" data-embedded="{str(embedded).lower()}">\n{lines}'
         '<p class="replay-message" role="alert" hidden></p>\n<div class="replay-stage"></div>\n'
-        f'<script type="application/json">{_json(description)}</script>\n</div>'
+        f'<script type="application/json">{json_text(description)}</script>\n</div>'
     )
 
 
@@ -61,9 +61,9 @@ def player_scripts() -> str:
     )
     bundle = (viewer / "dist" / "main.min.js").read_text(encoding="utf-8")
     return (
-        f'<script type="text/plain" id="meshcat-licences">\n{_inert(licences)}\n</script>\n'
-        f"<script>{_inert(bundle)}</script>\n<script>{_inert(static('scene.js'))}</script>\n"
-        f"<script>{_inert(static('player.js'))}</script>"
+        f'<script type="text/plain" id="meshcat-licences">\n{inert(licences)}\n</script>\n'
+        f"<script>{inert(bundle)}</script>\n<script>{inert(static('scene.js'))}</script>\n"
+        f"<script>{inert(static('player.js'))}</script>"
     )
 
 
@@ -72,12 +72,12 @@ def static(name: str) -> str:
     return (files("asmc_pin.viewer") / "static" / name).read_text(encoding="utf-8")
 
 
-def _inert(script: str) -> str:
+def inert(script: str) -> str:
     """A script that cannot end its element early; in strings and patterns the added backslash changes nothing."""
     return script.replace("</script", "<\\/script").replace("<!--", "<\\!--")
 
 
-def _json(value: Mapping[str, Any]) -> str:
+def json_text(value: Mapping[str, Any]) -> str:
     """JSON that no label can break out of."""
     text = json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")

@@ -24,6 +24,10 @@ def result() -> Result:
     return awkward_result()
 
 
+SCRIPTS = 10
+"""Data of the replay and of the curves, licences, Meshcat, scene, player, Bokeh and its API, curves, report."""
+
+
 class Text(HTMLParser):
     """What a person reads, cell by cell, and what a browser fetches."""
 
@@ -105,19 +109,34 @@ def test_every_metric_is_defined(text: Text) -> None:
 
 def test_whatever_comes_from_a_file_is_text(result: Result, text: Text) -> None:
     assert HOSTILE in text.text
-    assert len(text.scripts) == 5, "data, licences, Meshcat, scene, player"
-    assert all("alert(1)" not in script for script in text.scripts[1:])
+    assert len(text.scripts) == SCRIPTS
+    holding = [script for script in text.scripts if "alert(1)" in script]
+    assert all(script.startswith("{") and "</script" not in script for script in holding), "as data, and closed nowhere"
     hostile = result.dataset.assign_attrs(warnings="<img src=x onerror=alert(2)>", notes="<script>alert(3)</script>")
     again = Text(report_text(dataclasses.replace(result, dataset=hostile)))
     assert "<img src=x onerror=alert(2)>" in again.text
     assert "<script>alert(3)</script>" in again.text
-    assert len(again.scripts) == 5
+    assert len(again.scripts) == SCRIPTS
 
 
 def test_nothing_is_fetched(text: Text) -> None:
-    assert all(address.startswith("data:") for address in text.addresses)
+    assert all(address.startswith(("data:", "#")) for address in text.addresses)
     figures = sum(address.startswith("data:image/png") for address in text.addresses)
     assert figures == 5, "the paper's four kinds, and the theorems"
+
+
+def test_every_link_leads_to_what_the_page_holds(result: Result, text: Text) -> None:
+    page = report_text(result)
+    links = [address for address in text.addresses if address.startswith("#")]
+    assert links
+    assert all(f'id="{address[1:]}"' in page for address in links)
+
+
+def test_it_says_in_words_who_won_and_what_to_do_next(result: Result, text: Text) -> None:
+    assert "followed the same motion in simulation, 0.4 s of it, on two_link" in text.text
+    assert f"{HOSTILE} (RMS tracking error). One run each: how sure that is, is not known." in text.text
+    assert "Did not last" in text.cells
+    assert "asmc-pin verify two_link --mbar 0.01 --certify" in text.text
 
 
 def test_times_and_versions_do_not_reach_it(result: Result) -> None:

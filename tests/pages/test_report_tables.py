@@ -8,15 +8,19 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from PIL import Image
 
 from asmc_pin.metrics import METRICS
+from asmc_pin.monitors import CAUSES, STATEMENTS
 from asmc_pin.pages.comparison_figures import FIGURES, draw_figures
 from asmc_pin.pages.curves import envelope, running_max, spread, thinned
+from asmc_pin.pages.figure_style import line_look
 from asmc_pin.pages.html_fragments import table_html
 from asmc_pin.pages.latex_table import latex_table
 from asmc_pin.pages.summary_tables import metric_table, metric_tables_markdown, overview, per_joint, short_names
 from asmc_pin.pages.tables.pair_tables import pair_table
 from asmc_pin.pages.tables.text_table import Table, markdown_table, number
+from asmc_pin.pages.theorem_tables import theorems_latex
 from asmc_pin.words.media import for_latex
 
 
@@ -326,3 +330,73 @@ def test_every_figure_is_drawn_for_any_number_of_joints_also_when_laws_diverge_o
     for path in paths:
         assert path.read_bytes().startswith(b"\x89PNG")
         assert path.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
+
+
+TWO_COLUMNS = r"""\documentclass[twocolumn]{article}
+\usepackage{booktabs,graphicx}
+\setlength{\textwidth}{516pt}\setlength{\columnsep}{12pt}\setlength{\oddsidemargin}{-24pt}
+\setlength{\textheight}{690pt}\setlength{\topmargin}{-50pt}
+\begin{document}
+%s
+\end{document}
+"""
+"""The measures of a two-column journal (IEEE): columns of 252 pt."""
+
+
+def wide_run(joints: int, controllers: list[str]) -> xr.Dataset:
+    """Smooth curves of every signal, with long names."""
+    rng, time = np.random.default_rng(1), np.linspace(0.0, 4.0, 801)
+    shape = (len(controllers), 1, len(time), joints)
+    axes = ("controller", "trial", "time", "joint")
+    signals = {name: (axes, rng.normal(size=shape).cumsum(axis=2)) for name in ("q", "v", "torque", "s", "gain")}
+    signals["gain"] = (axes, np.abs(signals["gain"][1]))
+    names = [f"a_rather_long_name_{i}_joint" for i in range(joints)]
+    return xr.Dataset(
+        signals | {"q_ref": (("time", "joint"), rng.normal(size=(len(time), joints)).cumsum(axis=0))},
+        {
+            "controller": controllers,
+            "trial": [0],
+            "time": time,
+            "joint": names,
+            "joint_kind": ("joint", ["revolute"] * joints),
+        },
+    )
+
+
+@pytest.mark.parametrize(("joints", "trials"), [(2, 1), (3, 16), (7, 16)])
+def test_a_two_column_paper_takes_every_figure_and_table_without_an_overfull_box(tmp_path, joints, trials):
+    labels = ["PPC", "Existing law", "A label of some length", "Proposed"]
+    names = [f"arm_{i}_joint" for i in range(joints)]
+    rows = pd.concat([summary(names, ["revolute"] * joints) for _ in range(2)], ignore_index=True)
+    rows["controller"] = np.repeat(labels, joints)
+    rows = pd.concat([rows.assign(trial=trial) for trial in range(trials)]).sort_values(["controller", "trial"])
+    rng = np.random.default_rng(0)
+    for metric in METRICS:
+        rows[metric] = np.exp(rng.normal(-4.0, 1.0, len(rows)))
+    draw_figures(wide_run(joints, labels), tmp_path)
+    (tmp_path / "summary.tex").write_text(latex_table(rows), encoding="utf-8")
+    (tmp_path / "theorems.tex").write_text(theorems_latex(claims_of(labels), "an arm with a load"), encoding="utf-8")
+    body = [r"\input{summary.tex}", r"\input{theorems.tex}"]
+    for name in FIGURES:
+        width = Image.open(tmp_path / f"{name}.png").width / 200.0
+        star = "*" if width > 4.0 else ""
+        body.append(rf"\begin{{figure{star}}}\centering\includegraphics{{{name}.pdf}}\end{{figure{star}}}")
+    (tmp_path / "paper.tex").write_text(TWO_COLUMNS % "\n".join(["Text.", *body]), encoding="utf-8")
+    command = [needs.program("latex"), "-interaction=nonstopmode", "-halt-on-error", "paper.tex"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout[-2000:]
+    assert "Overfull" not in done.stdout, re.findall(r"Overfull.*\n.*", done.stdout)
+    assert "too large for page" not in done.stdout
+
+
+def claims_of(labels):
+    """The longest cell that a claim can have, for every claim."""
+    causes = dict.fromkeys(CAUSES, 0) | {"sampling": 40, "saturation": 60}
+    row = {"trial": 0, "status": "broken", "checked": 200, "broken": 100, "until": np.nan, **causes}
+    return pd.DataFrame([{"controller": label, "claim": key, **row} for label in labels for key in STATEMENTS])
+
+
+def test_the_lines_of_eight_controllers_are_told_apart_without_their_colours():
+    looks = [line_look(k, "black", 100) for k in range(8)]
+    assert len({(str(look["linestyle"]), look["marker"]) for look in looks}) == 8
+    assert all(len({looks[k]["linestyle"] for k in (j, j + 1)}) == 2 for j in range(7)), "neighbours differ in dashes"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
@@ -12,6 +13,7 @@ from asmc_pin.cli.loading_options import tell_doubts
 from asmc_pin.cli.next_step import say_next
 from asmc_pin.cli.options import JsonOption
 from asmc_pin.disk.files import check_writable
+from asmc_pin.errors import ParameterError
 from asmc_pin.words.text import visible
 
 if TYPE_CHECKING:
@@ -90,20 +92,48 @@ def view(
     html: Annotated[
         str | None, typer.Option(metavar="FILE", help="Write a page that opens offline, serve nothing.")
     ] = None,
+    png: Annotated[
+        str | None, typer.Option(metavar="FILE", help="Write a picture of the scene at --time, by a headless Chromium.")
+    ] = None,
+    time: Annotated[float, typer.Option(metavar="T", help="Of --png, s.")] = 0.0,
+    mp4: Annotated[str | None, typer.Option(metavar="FILE", help="Write a film of all of it likewise.")] = None,
+    follow: Annotated[
+        bool, typer.Option("--follow", help="Serve a page that follows a running comparison or sweep.")
+    ] = False,
     port: Annotated[int, typer.Option(min=0, max=65535, help="On 127.0.0.1; 0 takes a free one.")] = 0,
 ) -> None:
     """Replay a result in the browser, the controllers side by side. Served on 127.0.0.1 only; Ctrl-C ends it."""
+    if follow:
+        if html or png or mp4:
+            raise ParameterError("--follow", "serves a page until Ctrl-C; leave --html, --png and --mp4 out")
+        from asmc_pin.sweeping.watching.run_follower import follow as run_along
+
+        run_along(directory, port)
+        return
     from asmc_pin.results.result_folder import find_result
 
     find_result(directory)
-    if html is not None:
-        check_writable(html)
+    files = [file for file in (html, png, mp4) if file is not None]
+    for option, file, ending in (("--png", png, ".png"), ("--mp4", mp4, ".mp4")):
+        if file is not None and not file.lower().endswith(ending):
+            raise ParameterError(option, f"'{file}' given, a name that ends in {ending} expected")
+    for file in files:
+        check_writable(file)
     announce_compiling()
     from asmc_pin.study.viewing import view as run
 
-    page = run(directory, html=html, port=port)
-    if page is not None:
-        say(f"replay: {page} ({page.stat().st_size / 1e6:.1f} MB)")
+    if not files:
+        run(directory, port=port)
+        return
+    with progress_bar(lines_every=5.0, of="of the film") as show:
+
+        def tell(share: float) -> None:
+            show("filming", share)
+
+        run(directory, html=html, png=png, time=time, mp4=mp4, progress=tell)
+    for file in files:
+        size = Path(file).stat().st_size / 1e6
+        say(f"{'replay' if file == html else 'picture' if file == png else 'film'}: {file} ({size:.1f} MB)")
 
 
 @app.command(rich_help_panel=STUDIES)

@@ -28,11 +28,11 @@ def after_comparison(experiment: Experiment, verdicts: Mapping[str, str], folder
     with_mbar = {label: words for label in verdicts if (words := mbar_words(experiment, label))}
     for label in with_mbar:
         if verdicts[label] == "violated":
-            return NextStep(f"an M̄ that suits M(q), for {label}", _command("design", arm_words(experiment)))
+            return NextStep(f"find an M̄ that is allowed, for {label}", _command("design", arm_words(experiment)))
     for label, words in with_mbar.items():
-        about = f"whether the M̄ of {label} holds at all angles of the joints, proven"
+        about = f"prove that the M̄ of {label} is allowed at all angles of the joints, or find where it is not"
         return NextStep(about, _command("verify", [*arm_words(experiment), *words, "--certify"]))
-    return NextStep("see the motion", _command("view", [folder]))
+    return NextStep("watch the motion", _command("view", [folder]))
 
 
 def _command(verb: str, words: list[str]) -> str:

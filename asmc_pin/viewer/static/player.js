@@ -10,6 +10,10 @@
     return made;
   };
 
+  // Keys that move the camera: around, up and down, and by which factor nearer.
+  const SHIFTED = { ArrowLeft: [-0.1, 0, 1], ArrowRight: [0.1, 0, 1], ArrowUp: [0, 0.1, 1], ArrowDown: [0, -0.1, 1] };
+  const TURNS = { "+": [0, 0, 0.9], "=": [0, 0, 0.9], "-": [0, 0, 1 / 0.9] };
+
   // Joint values over time: of every motion, and of the reference.
   class Motions {
     constructor({ joints, motions, reference, duration }) {
@@ -106,6 +110,7 @@
       this.clock.textContent = `${this.time.toFixed(2)} s / ${this.duration.toFixed(2)} s`;
       this.cursor?.setAttribute("transform", `translate(${1000 * this.time / (this.duration || 1)} 0)`);
       stage.viewer.set_dirty();
+      document.dispatchEvent(new CustomEvent("replay-time", { detail: this.time }));  // figures beside it move along
     }
 
     describe(a, frame) {
@@ -155,15 +160,34 @@
         this.stage.render();
       };
       requestAnimationFrame(tick);
-      if (this.embedded) return;
-      // #t=2.5 opens the page at that time.
+      addEventListener("hashchange", () => this.seekWish());
+      if (this.seekWish() || this.embedded || matchMedia("(prefers-reduced-motion: reduce)").matches) return;
+      this.play();
+    }
+
+    // #t=2.5 opens the page at that time.
+    seekWish() {
       const wish = /^#t=([0-9.]+)$/.exec(location.hash);
-      if (wish) this.seek(Number(wish[1]));
-      else if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.play();
+      if (!wish) return false;
+      this.pause();
+      this.seek(Number(wish[1]));
+      return true;
+    }
+
+    // What the scene shows now, as a picture: paper has no canvas.
+    still() {
+      const { host, viewer, canvas } = this.stage;
+      if (!host.clientWidth || !host.clientHeight) return;  // hidden: the former still stays
+      const image = host.parentElement.querySelector(".replay-still") ?? element(host.parentElement, "img", { class: "replay-still" });
+      viewer.set_dirty();
+      viewer.render();
+      image.src = canvas.toDataURL("image/jpeg", 0.9);
+      image.alt = `The scene at ${this.time.toFixed(2)} s: ${this.stage.labels.map(({ label }) => label.innerText.replace("\n", " ")).join("; ")}`;
     }
 
     buildControls() {
       const bar = element(this.host, "div", { class: "replay-controls" });
+      if (this.motions.count < 2) this.host.classList.add("is-at-rest");  // nothing to play
       this.button = element(bar, "button", { type: "button", class: "replay-play" });
       const icon = svg(this.button, "svg", { viewBox: "0 0 24 24", "aria-hidden": "true" });
       svg(icon, "path", { class: "icon-play", d: "M7 4.5v15l13-7.5z" });
@@ -186,7 +210,7 @@
         input.addEventListener("change", () => act(input.checked));
         return input;
       };
-      choice("Speed", [0.1, 0.25, 0.5, 1, 2, 4], 1, (speed) => { this.speed = speed; });
+      choice("Speed", [0.1, 0.25, 0.5, 1, 2, 4], 1, (speed) => { this.speed = speed; }).parentElement.classList.add("replay-moving");
       if (this.motions.reference) {
         const errors = choice("Errors", [1, 5, 20, 100], 1, (factor) => {
           this.motions.magnify = factor;
@@ -194,10 +218,11 @@
           this.seek(this.time);
         });
         errors.parentElement.title = "Magnifies the arms' differences from the reference";
-        box("Reference", true, (on) => this.stage.show([...this.stage.ghosts.map((ghost) => ghost.root), ...this.stage.wanted], on));
+        box("Reference", true, (on) => this.stage.show({ reference: on }));
       }
-      box("Path", true, (on) => this.stage.show(this.stage.paths, on));
+      box("Path", true, (on) => this.stage.show({ paths: on })).parentElement.classList.add("replay-moving");
       this.loop = box("Loop", !this.embedded, () => {});
+      this.loop.parentElement.classList.add("replay-moving");
       element(bar, "button", { type: "button" }, "Reset view").addEventListener("click", () => this.stage.resetView());
       this.showState();
     }
@@ -232,14 +257,21 @@
       this.slider.addEventListener("input", () => { this.pause(); this.seek(Number(this.slider.value)); });
       const keys = (event) => {
         if (event.ctrlKey || event.metaKey || event.altKey) return;
+        if (event.shiftKey && event.key in SHIFTED) {
+          this.stage.turn(...SHIFTED[event.key]);
+          event.preventDefault();
+          return;
+        }
         const own = event.target.closest("input, select, button");
         if (event.key === " " && !own?.matches("select, button, [type=checkbox]")) this.toggle();
         else if (!own && event.key === "ArrowRight") { this.pause(); this.seek(this.time + this.motions.step); }
         else if (!own && event.key === "ArrowLeft") { this.pause(); this.seek(this.time - this.motions.step); }
         else if (!own && event.key === "Home") this.seek(0);
+        else if (!own && event.key in TURNS) this.stage.turn(...TURNS[event.key]);
         else return;
         event.preventDefault();
       };
+      document.addEventListener("controller-shown", (event) => this.stage.hide(event.detail.label, !event.detail.on));
       // In a report, space and the wheel scroll the page unless the replay has the focus.
       (this.embedded ? this.host : document).addEventListener("keydown", keys);
       if (!this.embedded) return;

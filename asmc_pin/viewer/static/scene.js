@@ -87,6 +87,8 @@ const AsmcScene = (() => {
       this.data = data;
       const { low, high } = data.stage;
       this.reach = Math.max(...high.map((value, k) => value - low[k]));
+      this.off = data.motions.map(() => false);
+      this.parts = { reference: true, paths: true };
       this.openViewer(embedded);
       this.light();
       this.populate();
@@ -115,7 +117,10 @@ const AsmcScene = (() => {
       viewer.camera.fov = 32;
       viewer.controls.enableZoom = !embedded;
       this.canvas = viewer.renderer.domElement;
-      this.canvas.setAttribute("aria-label", "Three-dimensional view of the arms");
+      this.canvas.setAttribute("role", "img");
+      this.canvas.setAttribute("aria-label", `Three-dimensional view of ${this.data.arm.name}: ${this.data.motions.map(({ label }) => label).join(", ")}`);
+      // In a longer page a swipe up or down scrolls the page; sideways it turns the view, two fingers zoom.
+      if (embedded) for (const touched of [this.canvas, viewer.controls.domElement]) touched.style.touchAction = "pan-y";
     }
 
     light() {
@@ -253,9 +258,35 @@ const AsmcScene = (() => {
       }
     }
 
-    show(objects, on) {
-      for (const object of objects) object.visible = on;
+    // What is to be seen of every motion that is not hidden itself.
+    show(parts) {
+      Object.assign(this.parts, parts);
+      const { reference, paths } = this.parts;
+      this.arms.forEach((arm, k) => {
+        const on = !this.off[k], set = (object, seen) => { if (object) object.visible = seen; };
+        for (const object of [arm.root, this.rings[k], this.pedestals[k]]) set(object, on);
+        for (const object of [this.ghosts[k]?.root, this.wanted[k]]) set(object, on && reference);
+        set(this.paths[k], on && paths);
+      });
       this.viewer.set_dirty();
+    }
+
+    hide(label, off) {
+      this.data.motions.forEach((motion, k) => { if (motion.label === label) this.off[k] = off; });
+      this.show({});
+    }
+
+    // The camera around what it looks at, in steps: rad around and up, and a factor of the distance.
+    turn(around, up, factor) {
+      const { viewer } = this, { target } = viewer.controls;
+      const seen = new THREE.Spherical().setFromVector3(viewer.camera.position.clone().sub(target));
+      seen.theta += around;
+      seen.phi = Math.min(Math.max(seen.phi - up, 0.05), Math.PI - 0.05);
+      seen.radius *= factor;
+      viewer.camera.position.setFromSpherical(seen).add(target);
+      viewer.controls.update();
+      this.turned = true;
+      viewer.set_dirty();
     }
 
     // The nearest camera on the line of sight that sees all arms and their labels.
@@ -302,7 +333,7 @@ const AsmcScene = (() => {
         const x = this.offsets[k][0] + centre[0], y = this.offsets[k][1] + centre[1];
         const dx = camera.position.x - x, dy = -camera.position.z - y, step = this.rim / (Math.hypot(dx, dy) || 1);
         const point = new THREE.Vector3(x + step * dx, ground, -(y + step * dy)).project(camera);
-        label.hidden = point.z > 1;
+        label.hidden = point.z > 1 || this.off[k];
         const half = label.offsetWidth / 2 + 4;
         const left = Math.min(Math.max((point.x + 1) / 2 * clientWidth, half), clientWidth - half);
         label.style.transform = `translate(-50%, 5px) translate(${left.toFixed(1)}px, ${((1 - point.y) / 2 * clientHeight).toFixed(1)}px)`;

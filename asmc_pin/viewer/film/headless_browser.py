@@ -1,0 +1,135 @@
+"""A headless Chromium with one page: opened, sized, asked, photographed."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from asmc_pin.errors import MissingDependencyError, ParameterError
+
+_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
+_FLAGS = (
+    *("--headless", "--no-first-run", "--disable-sync", "--disable-background-networking", "--hide-scrollbars"),
+    *("--disable-component-update", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
+    *("--remote-debugging-port=0", "--remote-allow-origins=*"),
+)
+_PATIENCE = 300.0
+"""s; a software renderer on a busy machine takes its time."""
+
+
+class HeadlessPage:
+    """One page of a browser."""
+
+    def __init__(self, socket: Any) -> None:
+        self._socket, self._count = socket, 0
+
+    def call(self, method: str, **parameters: Any) -> dict[str, Any]:
+        """A command of the DevTools protocol, and its result.
+
+        Raises:
+            RuntimeError: The browser refuses it.
+        """
+        self._count += 1
+        self._socket.send(json.dumps({"id": self._count, "method": method, "params": parameters}))
+        while True:
+            answer = json.loads(self._socket.recv())
+            if answer.get("id") == self._count:
+                if "error" in answer:
+                    raise RuntimeError(f"{method}: {answer['error'].get('message', 'refused')}")
+                return dict(answer["result"])
+
+    def run(self, expression: str) -> Any:
+        """The value of a JavaScript expression; a promise is waited for.
+
+        Raises:
+            RuntimeError: It throws.
+        """
+        answer = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
+        if "exceptionDetails" in answer:
+            raise RuntimeError(str(answer["exceptionDetails"].get("text", "the page failed")))
+        return answer["result"].get("value")
+
+    def open(self, url: str, width: int, height: int) -> None:
+        """Show a page, so large that a picture of it has this many pixels."""
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        self.call("Page.navigate", url=url)
+        self.run("new Promise((done) => document.readyState === 'complete' ? done() : addEventListener('load', done))")
+
+    def picture(self) -> bytes:
+        """What it shows, as PNG."""
+        return base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
+
+
+@contextmanager
+def headless_page() -> Iterator[HeadlessPage]:
+    """A page in a Chromium of its own with a fresh profile, both gone afterwards.
+
+    Raises:
+        ParameterError: This machine has no Chromium.
+        MissingDependencyError: websocket-client is not installed.
+    """
+    program = browser_program()
+    try:
+        import websocket
+    except ImportError:
+        raise MissingDependencyError("websocket-client", "film", "pictures of a replay") from None
+    with tempfile.TemporaryDirectory(prefix="asmc-pin-film-", ignore_cleanup_errors=True) as profile:
+        # A process that runs as root has no sandbox, as in a container.
+        sandbox = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
+        process = subprocess.Popen(
+            [program, *_FLAGS, *sandbox, f"--user-data-dir={profile}", "about:blank"],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        try:
+            port = _port(process, Path(profile))
+            request = urllib.request.Request(f"http://127.0.0.1:{port}/json/new?about:blank", method="PUT")
+            with urllib.request.urlopen(request, timeout=_PATIENCE) as answer:
+                address = json.load(answer)["webSocketDebuggerUrl"]
+            socket = websocket.create_connection(address, timeout=_PATIENCE, max_size=None)
+            try:
+                yield HeadlessPage(socket)
+            finally:
+                socket.close()
+        finally:
+            process.terminate()
+            process.wait(timeout=30)
+
+
+def browser_program() -> str:
+    """The path of a Chromium: what CHROMIUM names, or the first that is found.
+
+    Raises:
+        ParameterError: There is none.
+    """
+    named = os.environ.get("CHROMIUM")
+    found = shutil.which(named) if named else next(filter(None, map(shutil.which, _NAMES)), None)
+    if found is None:
+        tried = f"CHROMIUM names '{named}', which is no program" if named else f"none of {', '.join(_NAMES)} is here"
+        raise ParameterError(
+            "view", f"pictures are taken by a Chromium, and {tried}; install one, or name it: CHROMIUM=…"
+        )
+    return found
+
+
+def _port(process: subprocess.Popen[bytes], profile: Path) -> int:
+    import time
+
+    written, until = profile / "DevToolsActivePort", time.monotonic() + _PATIENCE
+    while time.monotonic() < until:
+        if process.poll() is not None:
+            raise ParameterError("view", f"the browser ended at once with status {process.returncode}")
+        lines = written.read_text(encoding="ascii").split() if written.is_file() else []
+        if lines:
+            return int(lines[0])
+        time.sleep(0.05)
+    raise ParameterError("view", "the browser does not answer")

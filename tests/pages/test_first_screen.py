@@ -1,0 +1,86 @@
+"""Claims about the first words of a report: no winner without certainty, no permission beyond what was seen."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from asmc_pin.metrics import METRICS
+from asmc_pin.pages.plain_words.first_screen import allowed, mbar_verdicts, winners
+from asmc_pin.pages.plain_words.terms import ANCHORS, term_link, terms_html
+
+
+def summary(figures: dict[str, np.ndarray], status: str = "ok") -> pd.DataFrame:
+    """Rows of a comparison in which every metric is the figure given, shape (trials, joints), by controller."""
+    rows = []
+    for label, values in figures.items():
+        for trial, joints in enumerate(values):
+            for joint, value in enumerate(joints):
+                row = {"controller": label, "trial": trial, "joint": f"j{joint}", "status": "ok", "end_time": 1.0}
+                rows.append(row | dict.fromkeys(METRICS, value))
+    found = pd.DataFrame(rows)
+    if status != "ok":
+        found.loc[found.controller == "C", "status"] = status
+        found.loc[found.controller == "C", list(METRICS)] = np.nan  # as after a divergence
+    return found
+
+
+RNG = np.random.default_rng(0)
+NOISE = 0.01 * RNG.normal(size=(16, 2))
+
+
+def test_who_is_ahead_in_every_trial_is_named_with_the_factor_to_the_next() -> None:
+    found = dict(winners(summary({"A": 1.0 + NOISE, "B": 2.0 + NOISE, "C": 4.0 + NOISE})))
+    said = found["Follows the motion best"]
+    assert said.startswith("A: its RMS tracking error is 0.5")
+    assert "times that of B, the next" in said
+    assert "Certain for this plant and these gains" in said
+
+
+def test_what_does_not_differ_beyond_its_spread_is_called_certain_by_nobody() -> None:
+    noise = {label: np.exp(0.3 * RNG.normal(size=(16, 2))) for label in "ABC"}
+    for _, said in winners(summary(noise)):
+        assert "Certain" not in said
+        assert "not certain" in said or "No one is ahead" in said
+
+
+def test_of_single_runs_the_order_is_told_and_its_sureness_is_not() -> None:
+    found = dict(winners(summary({"A": np.array([[1.0, 1.0]]), "B": np.array([[4.0, 4.0]])})))
+    assert found["Follows the motion best"].startswith("A: its RMS tracking error is 0.25")
+    assert "how sure that is, is not known" in found["Follows the motion best"]
+
+
+def test_who_diverged_is_named_and_wins_nothing() -> None:
+    found = dict(winners(summary({"A": 1.0 + NOISE, "B": 2.0 + NOISE, "C": 0.1 + NOISE}, status="diverged")))
+    assert "C" in found["Did not last"]
+    assert found["Follows the motion best"].startswith("A:")
+
+
+def claims(**status: str) -> pd.DataFrame:
+    return pd.DataFrame([{"controller": label, "claim": "lemma1", "status": each} for label, each in status.items()])
+
+
+@pytest.mark.parametrize(
+    ("rows", "begins", "names"),
+    [
+        (claims(A="held", B="held"), "Yes, for A and B", "not asked here"),
+        (claims(A="broken", B="held"), "No, for A:", "As far as the run shows, for B"),
+        (claims(A="broken"), "No, for A:", "promises nothing"),
+        (claims(A="not applicable"), "Not known", "no law here has an M̄"),
+        (None, "Not known", ""),
+    ],
+)
+def test_an_mbar_is_called_allowed_along_the_motion_alone(rows, begins: str, names: str) -> None:
+    said = allowed(mbar_verdicts(rows))
+    assert said.startswith(begins)
+    assert names in said
+
+
+def test_every_term_that_is_linked_has_its_meaning_in_the_glossary() -> None:
+    page = terms_html()
+    for anchor in ANCHORS:
+        assert f'href="#term-{anchor}"' in term_link(anchor, "x")
+        assert page.count(f'id="term-{anchor}"') == 1
+    assert "**" not in page
+    assert "](" not in page
