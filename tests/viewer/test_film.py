@@ -7,6 +7,7 @@ from pathlib import Path
 
 import needs
 import numpy as np
+import av
 import pytest
 from PIL import Image
 from viewer_cases import awkward_result, swing
@@ -53,7 +54,6 @@ def test_a_time_outside_the_motion_is_refused(html: str, small: None, tmp_path: 
 
 
 def test_a_film_has_the_time_of_the_motion_and_moves(html: str, small: None, tmp_path: Path) -> None:
-    av = pytest.importorskip("av")
     take_film(html, tmp_path / "film.mp4", fps=10.0)
     with av.open(io.BytesIO((tmp_path / "film.mp4").read_bytes())) as film:
         frames = [frame.to_ndarray(format="rgb24").astype(int) for frame in film.decode(video=0)]

@@ -12,7 +12,7 @@ import numpy as np
 from asmc_pin.codegen.translation.c_words import NotInC, identifier, literal
 from asmc_pin.codegen.translation.restricted_python import PythonFunction
 from asmc_pin.codegen.translation.surroundings import Surroundings
-from asmc_pin.codegen.translation.terms import AND, ATOM, CHOICE, OR, ORDER, PRODUCT, SAME, SIGN, SUM, Kind, Term
+from asmc_pin.codegen.translation.c_terms import AND, ATOM, CHOICE, OR, ORDER, PRODUCT, SAME, SIGN, SUM, Kind, Term
 
 _ARITHMETIC: dict[type[ast.operator], tuple[str, int]] = {
     ast.Add: ("+", SUM),
