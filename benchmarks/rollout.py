@@ -280,11 +280,14 @@ def drawn(found: dict[str, dict[int, float]], path: Path) -> None:
         for axis, (name, costs) in zip(axes, found.items(), strict=True):
             axis.loglog(list(costs), list(costs.values()), "o-", color="#1F77B4", markersize=3)
             axis.set_xlabel(name)
-            axis.set_ylim(0.1, None)
             if name.startswith("joints"):
                 first = next(iter(costs))
                 axis.loglog(list(costs), [costs[first] * n / first for n in costs], "--", color=GREY, label="linear")
                 axis.legend()
+            axis.set_ylim(0.1, 20.0)
+            axis.set_xticks(list(costs), [f"{n:,}" for n in costs])
+            axis.set_yticks([0.1, 0.3, 1, 3, 10], ["0.1", "0.3", "1", "3", "10"])
+            axis.minorticks_off()
         axes[0].set_ylabel("µs per trial and tick")
         figure.savefig(path, metadata={"Software": None})
 
