@@ -91,13 +91,14 @@ if TYPE_CHECKING:
     from asmc_pin.experiment.variation.axes import Variation as Variation
     from asmc_pin.experiment.variation.axes import VariedKey as VariedKey
     from asmc_pin.experiment.variation.draws import Distribution as Distribution
+    from asmc_pin.identification.estimates import Estimate as Estimate
     from asmc_pin.identification.excitation import Confusion as Confusion
+    from asmc_pin.identification.filtered_motion import FilteredMotion as FilteredMotion
+    from asmc_pin.identification.identification_report import Identification as Identification
+    from asmc_pin.identification.identifying import identify as identify
     from asmc_pin.identification.suspects import Suspicion as Suspicion
     from asmc_pin.identification.torque_model import TorqueModel as TorqueModel
     from asmc_pin.identification.weighted_fit import Fit as Fit
-    from asmc_pin.identification.estimates import Estimate as Estimate
-    from asmc_pin.identification.identification_report import Identification as Identification
-    from asmc_pin.identification.identifying import identify as identify
     from asmc_pin.inspection import Doubt as Doubt
     from asmc_pin.inspection import Inspection as Inspection
     from asmc_pin.inspection import inspect as inspect

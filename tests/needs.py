@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import shutil
 from dataclasses import dataclass
+from pathlib import Path
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,16 @@ def program(what: str) -> str:
         if os.environ.get("CI"):
             pytest.fail(f"{wanted}, and CI must run this test")
         pytest.skip(wanted)
+    return path
+
+
+def real_log(name: str) -> Path:
+    """A log of a real arm, which lies beside the repository and is no part of it; without it the test is skipped."""
+    import pytest
+
+    path = Path(__file__).parents[2] / "shared" / "logs" / name
+    if not path.is_file():
+        pytest.skip(f"needs {name}, the log of a real arm, in shared/logs beside the repository")
     return path
 
 

@@ -7,6 +7,7 @@ import json
 from functools import cache
 from pathlib import Path
 
+import needs
 import numpy as np
 import pandas as pd
 import pytest
@@ -22,7 +23,6 @@ from asmc_pin.identification.suspects import suspect
 from asmc_pin.identification.torque_model import point_mass, torque_model
 
 ARMS = {"ur5": UR5, "so101": SO101}
-REAL = Path(__file__).parents[3] / "shared" / "logs" / "panda_exciting.csv.gz"
 
 
 def run(capsys, *words: str) -> tuple[int, str]:
@@ -224,9 +224,10 @@ def test_the_command_says_it_as_json_with_the_contracts_keys(tmp_path: Path, cap
 # A real arm ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.skipif(not REAL.is_file(), reason="the log of the real arm lies beside the repository, or not")
 def test_of_a_real_arm_it_is_told_how_right_the_urdf_is_and_that_the_hand_was_not_mounted() -> None:
-    found = identify(asmc_pin.load_arm("panda"), REAL, options=LogOptions(torque_side="link"))
+    found = identify(
+        asmc_pin.load_arm("panda"), needs.real_log("panda_exciting.csv.gz"), options=LogOptions(torque_side="link")
+    )
     assert not found.suspicions
     left = found.stages["URDF"] / found.stages["logged"]
     assert left[1:3].max() < 0.25

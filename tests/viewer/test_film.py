@@ -5,9 +5,9 @@ from __future__ import annotations
 import io
 from pathlib import Path
 
+import av
 import needs
 import numpy as np
-import av
 import pytest
 from PIL import Image
 from viewer_cases import awkward_result, swing

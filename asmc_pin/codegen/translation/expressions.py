@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from asmc_pin.codegen.translation.c_terms import AND, ATOM, CHOICE, OR, ORDER, PRODUCT, SAME, SIGN, SUM, Kind, Term
 from asmc_pin.codegen.translation.c_words import NotInC, identifier, literal
 from asmc_pin.codegen.translation.restricted_python import PythonFunction
 from asmc_pin.codegen.translation.surroundings import Surroundings
-from asmc_pin.codegen.translation.c_terms import AND, ATOM, CHOICE, OR, ORDER, PRODUCT, SAME, SIGN, SUM, Kind, Term
 
 _ARITHMETIC: dict[type[ast.operator], tuple[str, int]] = {
     ast.Add: ("+", SUM),

@@ -6,10 +6,10 @@ import ast
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from asmc_pin.codegen.translation.c_terms import Kind, Term
 from asmc_pin.codegen.translation.c_words import NotInC
 from asmc_pin.codegen.translation.expressions import Expressions, c_local
 from asmc_pin.codegen.translation.restricted_python import PythonFunction
-from asmc_pin.codegen.translation.c_terms import Kind, Term
 
 Path = tuple[int, ...]
 """A block by the blocks around it, outermost first; () is the function's own."""

@@ -7,12 +7,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from asmc_pin.codegen.translation.c_terms import Kind, Term
 from asmc_pin.codegen.translation.c_words import NotInC, comment, identifier, slug
 from asmc_pin.codegen.translation.expressions import Expressions, c_local
 from asmc_pin.codegen.translation.restricted_python import PythonFunction, read_function
 from asmc_pin.codegen.translation.step_statements import Statements
 from asmc_pin.codegen.translation.surroundings import CFunction
-from asmc_pin.codegen.translation.c_terms import Kind, Term
 from asmc_pin.words.choices import RealType
 
 TABLES: tuple[Kind, ...] = ("tick", "law", "memory", "work")

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from asmc_pin.codegen.translation.restricted_python import PythonFunction
 from asmc_pin.codegen.translation.c_terms import Kind, Term
+from asmc_pin.codegen.translation.restricted_python import PythonFunction
 from asmc_pin.words.choices import RealType
 
 
