@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 from pathlib import Path
 
+import needs
 import numpy as np
 import pandas as pd
 import pytest
@@ -14,7 +15,6 @@ from asmc_pin.logs import LogOptions, read_log
 from asmc_pin.logs.resampling import at_equal_steps, low_passed, smoothing_spline, white_noise
 
 JOINTS = ("shoulder", "elbow")
-REAL = Path(__file__).parents[3] / "shared" / "logs" / "panda_exciting.csv.gz"
 
 
 def table(rows: int = 200) -> pd.DataFrame:
@@ -191,10 +191,9 @@ def test_a_smoothing_spline_is_as_far_from_the_rows_as_their_rounding() -> None:
     assert np.sqrt(np.mean((smooth - np.sin(t)) ** 2)) < 0.6 * count / np.sqrt(12.0)
 
 
-@pytest.mark.skipif(not REAL.is_file(), reason="the log of the real arm lies beside the repository, or not")
 def test_the_log_of_a_real_arm_is_read_and_its_oddities_are_counted() -> None:
     joints = [f"panda_joint{i}" for i in range(1, 8)]
-    log = read_log(REAL, joints, LogOptions(torque_side="link"))
+    log = read_log(needs.real_log("panda_exciting.csv.gz"), joints, LogOptions(torque_side="link"))
     told = "\n".join(log.found)
     assert "20544 rows" in told
     assert "that repeat all values" in told
