@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from law_oracles import ORACLES, Oracle, of_law, run
 
-from asmc_pin.controllers import CONTROLLERS, Pid
+from asmc_pin.controllers import CONTROLLERS, Pid, Sta
 
 WITHOUT = {"bsmc"}  # tests/controllers/test_controllers_closed_loop.py has its oracle
 
@@ -35,6 +35,19 @@ def test_where_the_mass_is_known_an_implicit_law_takes_the_share_of_s_that_it_st
     ahead = s + 1e-3 * 12.0 * rate - reach * (12.0 * rate + 9.0 * s)
     assert abs(s[0]) > 0.1
     np.testing.assert_allclose(s[1:5], (1.0 - share) * ahead[:4], rtol=0.0, atol=1e-9 * abs(s[0]))
+
+
+def test_gains_of_super_twisting_grow_beyond_the_threshold_and_fall_within_it_at_one_rate_but_not_below_the_floor() -> (
+    None
+):
+    law = Sta(mbar=0.6, k1=1.0, k2=2.0, rate=150.0, threshold=0.004, floor=0.5, ks=12.0, beta=9.0, period=1e-3)
+    trace = run(law, 1.0, ticks=300)
+    scale = np.array([1.0, *(state.scale[0, 0] for state in trace.states)])
+    outside, change = np.abs(trace.s[:, 0]) >= 0.004, np.diff(scale)
+    assert 30 < outside.sum() < 270
+    np.testing.assert_allclose(change[outside], 0.15, rtol=1e-9)
+    np.testing.assert_allclose(change[~outside], np.maximum(-0.15, 0.5 - scale[:-1][~outside]), rtol=1e-9, atol=1e-12)
+    assert (scale[1:] == 0.5).any()
 
 
 def test_gains_of_a_pid_are_those_of_the_mbar_ks_and_beta_that_stand_for_them() -> None:
