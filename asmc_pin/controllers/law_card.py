@@ -23,6 +23,8 @@ READ = {
 }
 SHARED = {"mbar": 0.4, "ks": 8.0, "beta": 8.0, "period": 1e-3}
 """With which a law is asked; what it reads does not depend on them."""
+VALUES = "  values to begin with: this project's own, by trial; two_link, ur5 and panda are held with them at 1 kHz"
+"""Where the typical values on a card come from."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +97,7 @@ class LawCard:
             "",
             "Parameters of its own" + ("" if own else ": none"),
             *own,
+            *([VALUES] if own else []),
             f"Needs measured: {', '.join(needs)}",
             f"Logged: {self.logged}",
             f"Exactly: {self.oracle}",
