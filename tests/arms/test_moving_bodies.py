@@ -45,6 +45,22 @@ def test_a_dummy_behind_a_locked_joint_moves_with_what_the_joint_hangs_on(tmp_pa
     assert load_arm(path, lock={"weld": 0.3, "elbow": 0.0}).nv == 1
 
 
+def test_links_without_inertia_are_told_in_one_sentence_with_one_remedy(tmp_path: Path) -> None:
+    bare = robot(
+        *(link(name) for name in ("base", "upper", "lower")),
+        joint("shoulder", "base", "upper"),
+        joint("elbow", "upper", "lower"),
+    )
+    with pytest.raises(ArmError) as refusal:
+        load_arm(write(tmp_path, bare))
+    said = str(refusal.value)
+    assert said.startswith("2 moving links in arm.urdf carry no inertia")
+    assert "'upper' (on joint 'shoulder', line " in said
+    assert "'lower' (on joint 'elbow', line " in said
+    assert said.count("--estimate-inertia") == 1
+    assert "\n" not in said
+
+
 def test_an_impossible_dummy_that_outweighs_its_link_is_refused_with_both_named(tmp_path: Path) -> None:
     with pytest.raises(ArmError, match=r"link 'dummy'.*nor does what moves together with it \(lower\)"):
         load_arm(write(tmp_path, on("lower", inertial(0.1, inertia=np.diag([0.0, 0.0, 1.0])))))

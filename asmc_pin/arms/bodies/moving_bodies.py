@@ -16,6 +16,7 @@ from asmc_pin.arms.urdf.rigid_inertia import TENSOR_REMEDY, LinkInertia, mass_pr
 from asmc_pin.arms.urdf.urdf_reading import JOINT_PREFIX, Joint, Robot
 from asmc_pin.rigid_body.coupling import Coupling
 from asmc_pin.words.interface import flag_words
+from asmc_pin.words.text import printable
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +104,12 @@ def problems_of_bodies(robot: Robot, bodies: Sequence[MovingBody], coupling: Cou
     """
     masses = np.array([body.mass for body in bodies])
     led = [float(masses[coupling.coordinate == coordinate].sum()) for coordinate in coupling.coordinate]
-    problems = [problem for body, mass in zip(bodies, led, strict=True) for problem in body_problems(robot, body, mass)]
+    found = [(body, body_problems(robot, body, mass)) for body, mass in zip(bodies, led, strict=True)]
+    bare = [body for body, problems in found if problems and not body.mass > 0.0 and not number_problems(robot, body)]
+    # Where all of a robot's links lack it, one sentence for each would say the same six times.
+    together = len(bare) > 1
+    problems = [each for body, own in found for each in own if not (together and body in bare)]
+    problems += [_all_without_mass(robot, bare)] if together else []
     tensors = any(
         body.mass > 0.0 and not number_problems(robot, body) and tensor_problem(body.mass, body.inertia)
         for body in bodies
@@ -148,6 +154,17 @@ def _without_mass(body: MovingBody) -> str:
         + (f", nor does anything fixed to it ({_some(others)})" if others else "")
         + f"; add <inertial> with a mass above zero to link '{first}', or lock the joint; or have it estimated "
         "from its shapes and a mass: --estimate-inertia KG (estimate_inertia= in Python)"
+    )
+
+
+def _all_without_mass(robot: Robot, bodies: Sequence[MovingBody]) -> str:
+    file = f" in {printable(robot.path.name)}"
+    who = [f"'{body.links[0]}' (on {body.joint.where.replace(file, '')})" for body in bodies[:8]]
+    more = f" and {len(bodies) - 8} more" if len(bodies) > 8 else ""
+    return (
+        f"{len(bodies)} moving links{file} carry no inertia, nor does anything fixed to them: {', '.join(who)}{more}; "
+        "add <inertial> with a mass above zero to each, or lock the joints; or have it estimated from their shapes and "
+        "a mass: --estimate-inertia KG (estimate_inertia= in Python)"
     )
 
 
