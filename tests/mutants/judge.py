@@ -29,7 +29,7 @@ from mutants.draw import Mutant, changed_function
 LONGEST = 2.0
 """Seconds of processor time that a test may take and still judge mutants."""
 
-ENOUGH = 5.0
+ENOUGH = 8.0
 """Seconds of processor time, without a fault, of all tests of a file that one mutant is shown."""
 
 PATIENCE = 5.0
