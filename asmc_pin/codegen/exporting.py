@@ -17,6 +17,7 @@ from asmc_pin.codegen.code_provenance import provenance_lines
 from asmc_pin.codegen.exported_code import ABI, CodeText, guard_arrays, ramp_ticks, translate
 from asmc_pin.codegen.guarded_law import LIMITED, Guard, GuardedLaw
 from asmc_pin.codegen.recorded_vectors import Vectors, number_of, record, record_motion
+from asmc_pin.codegen.ros2_control import ros2_control_texts
 from asmc_pin.codegen.translation.c_words import slug
 from asmc_pin.controllers import TdeLaw
 from asmc_pin.disk.files import whole_folder
@@ -24,7 +25,7 @@ from asmc_pin.engine import rollout
 from asmc_pin.errors import ExperimentError, ParameterError, ResultError
 from asmc_pin.experiment import Experiment
 from asmc_pin.plant import Plant
-from asmc_pin.words.choices import RealType
+from asmc_pin.words.choices import RealType, Target
 from asmc_pin.words.shown import Shown
 
 MOTION_TICKS = 600
@@ -104,6 +105,7 @@ def export(
     label: str,
     out: str | Path,
     *,
+    target: Target = "c",
     real: RealType = "double",
     certificate: str | Path | None = None,
     torque_rate: ArrayLike | None = None,
@@ -118,6 +120,7 @@ def export(
         experiment: See `asmc_pin.load_experiment`.
         label: Which of its controllers.
         out: Folder; it appears whole or not at all.
+        target: ``"c"``, or ``"ros2_control"`` for a controller plugin around the C as well.
         real: Type of every number in C.
         certificate: A file of ``--certificate`` about this arm and M̄, for the header; it is checked again.
         torque_rate: Torque-rate limit, a scalar or (nv,), N·m/s; inf for none. The experiment's
@@ -161,6 +164,8 @@ def export(
         f"{name}_runner.c": code.runner(),
         f"{name}_vectors.csv": vectors.csv(list(arm.joint_names)),
     }
+    if target == "ros2_control":
+        texts |= ros2_control_texts(code)
     with whole_folder(folder, lambda: _check_target(folder, force)) as made:
         for file, text in texts.items():
             (made / file).write_text(text, encoding="utf-8")

@@ -12,6 +12,8 @@ Form: TypeAlias = Literal["diagonal", "scalar"]
 Acceleration: TypeAlias = Literal["velocity", "position"]
 RealType: TypeAlias = Literal["double", "float"]
 """Of the numbers in exported code."""
+Target: TypeAlias = Literal["c", "ros2_control"]
+"""What an export is for."""
 Velocity: TypeAlias = Literal["measured", "difference"]
 """How a drive's velocity is made: measured by itself, or the difference of two readings of the angle."""
 Pairing: TypeAlias = Literal["matched", "last", "mean"]

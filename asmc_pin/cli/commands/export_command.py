@@ -11,7 +11,7 @@ from asmc_pin.cli.app import ROBOT, app
 from asmc_pin.cli.commands.study_commands import ExperimentArgument
 from asmc_pin.cli.console import announce_compiling, print_json, say
 from asmc_pin.cli.options import JsonOption, per_joint
-from asmc_pin.words.choices import RealType
+from asmc_pin.words.choices import RealType, Target
 
 
 @app.command(rich_help_panel=ROBOT)
@@ -19,6 +19,9 @@ def export(
     experiment: ExperimentArgument,
     label: Annotated[str, typer.Argument(metavar="LABEL", help="One of its controllers.")],
     out: Annotated[str, typer.Option(metavar="DIR", help="Folder for the code.")],
+    target: Annotated[
+        Target, typer.Option(metavar="c|ros2_control", help="C alone, or a ros2_control controller around it too.")
+    ] = "c",
     real: Annotated[RealType, typer.Option(metavar="double|float", help="Type of every number in C.")] = "double",
     certificate: Annotated[
         str | None,
@@ -54,6 +57,7 @@ def export(
         loaded,
         label,
         out,
+        target=target,
         real=real,
         certificate=certificate,
         torque_rate=rate,
