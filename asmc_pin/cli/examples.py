@@ -42,6 +42,11 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
             "inspect ur5 --html ur5.html",
             "inspect my_robot.urdf --package my_robot_description=./description",
         ),
+        "identify": (
+            "identify ur5 log.csv --out measured.toml --report page.html",
+            "identify my_robot.urdf log.csv.gz --torque-side link --columns tau=effort_{n}",
+            "identify ur5 log.csv --degrees --motor-constant 12.1,12.1,10.9,9.5,9.5,9.5",
+        ),
         "arms": ("arms", "arms --json"),
         "controllers": ("controllers", "controllers baek2016"),
         "experiments": ("experiments",),

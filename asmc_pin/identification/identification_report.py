@@ -58,44 +58,6 @@ class Identification(Shown):
     residual_held_out: Array | None
     whiteness: Array | None
 
-    @classmethod
-    def contradicted(
-        cls, arm: Arm, log: JointLog, model: TorqueModel, suspicions: Sequence[Suspicion]
-    ) -> Identification:
-        """The log contradicts the URDF."""
-        residual, _ = model.residual(model.start())
-        stages = {
-            "logged": _rms(_centred(model.logged(0.0), model.usable), model.usable),
-            "URDF": _rms(residual, model.usable),
-        }
-        none = np.zeros_like(model.usable)
-        return cls(arm, log, model, tuple(suspicions), {}, None, none, np.nan, (), residual, stages, None, None)
-
-    @classmethod
-    def of(
-        cls, arm: Arm, log: JointLog, fit: Fit, held_out: BoolArray, condition: float, confusions: Sequence[Confusion]
-    ) -> Identification:
-        """Estimates were made."""
-        model, residual = fit.model, fit.residual()
-        stages = _stages(fit)
-        of_white = _of_the_filter(model)
-        whiteness = correlation_time(residual, fit.rows) / of_white
-        return cls(
-            arm,
-            log,
-            model,
-            (),
-            estimates(fit),
-            fit,
-            held_out,
-            condition,
-            tuple(confusions),
-            residual,
-            stages,
-            _rms(residual, held_out),
-            whiteness,
-        )
-
     @property
     def explained(self) -> Array:
         """Share of each joint's logged torque, as RMS about its mean, that the model has on rows held out, (nv,)."""
@@ -215,6 +177,42 @@ class Identification(Shown):
                 f"{-mass.low:.3g}]); there are {links}: was one of them not mounted, or lighter?"
             )
         return said
+
+
+def contradicted(arm: Arm, log: JointLog, model: TorqueModel, suspicions: Sequence[Suspicion]) -> Identification:
+    """The log contradicts the URDF."""
+    residual, _ = model.residual(model.start())
+    stages = {
+        "logged": _rms(_centred(model.logged(0.0), model.usable), model.usable),
+        "URDF": _rms(residual, model.usable),
+    }
+    none = np.zeros_like(model.usable)
+    return Identification(arm, log, model, tuple(suspicions), {}, None, none, np.nan, (), residual, stages, None, None)
+
+
+def identified(
+    arm: Arm, log: JointLog, fit: Fit, held_out: BoolArray, condition: float, confusions: Sequence[Confusion]
+) -> Identification:
+    """Estimates were made."""
+    model, residual = fit.model, fit.residual()
+    stages = _stages(fit)
+    of_white = _of_the_filter(model)
+    whiteness = correlation_time(residual, fit.rows) / of_white
+    return Identification(
+        arm,
+        log,
+        model,
+        (),
+        estimates(fit),
+        fit,
+        held_out,
+        condition,
+        tuple(confusions),
+        residual,
+        stages,
+        _rms(residual, held_out),
+        whiteness,
+    )
 
 
 def _given_up(each: Confusion) -> str:

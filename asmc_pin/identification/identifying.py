@@ -13,7 +13,7 @@ from asmc_pin.errors import ParameterError
 from asmc_pin.identification.estimates import WIDTH
 from asmc_pin.identification.excitation import Confusion, judged
 from asmc_pin.identification.filtered_motion import FilteredMotion, filter_log
-from asmc_pin.identification.identification_report import Identification
+from asmc_pin.identification.identification_report import Identification, contradicted, identified
 from asmc_pin.identification.stribeck_search import stribeck_speeds
 from asmc_pin.identification.suspects import suspect
 from asmc_pin.identification.torque_model import PAYLOAD, TorqueModel, torque_model
@@ -69,7 +69,7 @@ def identify(
     suspicions = suspect(arm, motion, log)
     model = torque_model(arm, motion, _rest(motion))
     if suspicions:
-        return Identification.contradicted(arm, log, model, suspicions)
+        return contradicted(arm, log, model, suspicions)
     train, held_out = _split(model)
     if min(int(train.sum(axis=0).min()), int(held_out.sum(axis=0).min())) < 20:
         slow = log.joint_names[int(train.sum(axis=0).argmin())]
@@ -77,7 +77,7 @@ def identify(
             "log", f"{log.name}: joint '{slow}' hardly moves; a log in which every joint swings is needed, or lock it"
         )
     found, condition, confusions = _estimated(model, train, _wanted(model, log, fix), fix)
-    return Identification.of(arm, log, found, held_out, condition, confusions)
+    return identified(arm, log, found, held_out, condition, confusions)
 
 
 def _rest(motion: FilteredMotion) -> Array:
