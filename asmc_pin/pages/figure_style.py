@@ -62,7 +62,7 @@ _STYLE: Any = {
     "pdf.fonttype": 42,  # TrueType: journals refuse Type 3 fonts
     "pdf.compression": 6,
     "svg.hashsalt": "asmc_pin",
-    "savefig.dpi": 200,
+    "savefig.dpi": 160,
 }
 
 

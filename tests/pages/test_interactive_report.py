@@ -48,6 +48,7 @@ def curves(page: Page) -> list[list[list[bool]]]:
 def test_it_opens_without_a_word_at_the_time_that_its_address_asks_for(page: Page) -> None:
     assert page.messages == []
     assert page.run("replays[0].time") == 0.25
+    assert page.run("signalFigures[0].cursorTime(0)") == pytest.approx(0.25, abs=1e-3)
 
 
 def test_the_cursor_stands_where_the_scene_is(page: Page) -> None:

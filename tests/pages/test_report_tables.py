@@ -378,7 +378,8 @@ def test_a_two_column_paper_takes_every_figure_and_table_without_an_overfull_box
     (tmp_path / "theorems.tex").write_text(theorems_latex(claims_of(labels), "an arm with a load"), encoding="utf-8")
     body = [r"\input{summary.tex}", r"\input{theorems.tex}"]
     for name in FIGURES:
-        width = Image.open(tmp_path / f"{name}.png").width / 200.0
+        image = Image.open(tmp_path / f"{name}.png")
+        width = image.width / image.info["dpi"][0]
         star = "*" if width > 4.0 else ""
         body.append(rf"\begin{{figure{star}}}\centering\includegraphics{{{name}.pdf}}\end{{figure{star}}}")
     (tmp_path / "paper.tex").write_text(TWO_COLUMNS % "\n".join(["Text.", *body]), encoding="utf-8")

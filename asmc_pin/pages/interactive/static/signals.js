@@ -33,7 +33,7 @@
       this.joints = this.data.joints.map(() => true);
       this.signal = this.data.signals[0];
       this.logarithmic = false;
-      this.time = 0;
+      this.time = window.replays?.[0]?.time ?? 0;  // the replay may have been opened at a time
       this.plots = [];
       this.range = { start: 0, end: this.data.duration };
       this.dragging = coarse.matches ? "scroll" : "move";
