@@ -159,8 +159,11 @@ part("metric-settings")(lambda: fields(MetricsTable))
 @part("tune-keys")
 def tune_keys() -> str:
     """docs/tuning.md: the keys of ``[tune]``."""
-    rows = _field_rows(TuneTable, "tune.", skip=("limits",)) + _field_rows(LimitsTable, "tune.limits.")
-    return table(["key", "value", "default"], rows)
+    return table(["key", "value", "default"], _tune_rows())
+
+
+def _tune_rows() -> list[list[str]]:
+    return _field_rows(TuneTable, "tune.") + _field_rows(LimitsTable, "tune.limits.")
 
 
 @part("shared-parameters")
@@ -264,7 +267,8 @@ def _field_rows(model: type[TomlTable], path: str, skip: Iterable[str] = ()) -> 
     for name, field in model.model_fields.items():
         if name in skip:
             continue
-        value = REQUIRED if field.is_required() else field.default
+        made = field.default_factory is not None  # a table, whose keys stand in rows of their own
+        value = REQUIRED if field.is_required() else None if made else field.default
         rows.append([code(f"{path}{name}"), prose(field.description or ""), default(value)])
     return rows
 
@@ -277,6 +281,7 @@ def experiment_keys() -> str:
     )
     rows += _field_rows(ArmTable, "arm.") + _field_rows(PlantTable, "plant.")
     rows += _field_rows(EnsembleTable, "ensemble.") + _field_rows(MetricsTable, "metrics.")
+    rows += _tune_rows()
     return table(["key", "value", "default"], rows)
 
 
