@@ -31,6 +31,8 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "tune": ("tune ur5_tuning", "tune mine.toml --trials 128 --report tuned.html"),
         "sweep": ("sweep ur5_robustness --trials 64", "sweep ur5_robustness --trials 64 --replay 17"),
         "reproduce": ("reproduce", "reproduce simulation_smooth --no-search"),
+        "bench": ("bench --quick",),
+        "export": ("export demo Proposed --out proposed_in_c",),
         "view": (
             "view demo",
             "view demo --html demo.html",
