@@ -200,6 +200,21 @@ def test_a_tick_that_was_missed_counts_in_the_acceleration_of_the_next(tmp_path)
     np.testing.assert_allclose(torque(lost=(6, 7, 8)), torque(lost=()), atol=1e-12)
 
 
+def test_a_certificate_is_checked_again_named_in_the_code_and_refused_for_another_mbar(tmp_path):
+    experiment = experiment_of(KINDS["ppc"])
+    proof = asmc_pin.certify(experiment.build_arm(), [0.05, 0.04])
+    assert proof.verdict == "holds"
+    proof.save(tmp_path / "proof.npz")
+    asmc_pin.export(experiment, "It", tmp_path / "x", ramp=0.02, certificate=tmp_path / "proof.npz")
+    header = (tmp_path / "x" / "short_it.h").read_text(encoding="utf-8")
+    assert "certificate: proof.npz" in header
+    assert "Lemma 1" in header
+    assert "period of 0.001 s" in header
+    other = experiment.replace(defaults={"mbar": [0.05, 0.03], "ks": 8.0, "beta": 9.0})
+    with pytest.raises(asmc_pin.ParameterError, match="give a certificate of this"):
+        asmc_pin.export(other, "It", tmp_path / "y", ramp=0.02, certificate=tmp_path / "proof.npz")
+
+
 # What is refused, and what is said ------------------------------------------------------------------------------------
 
 
