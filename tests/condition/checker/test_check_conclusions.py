@@ -13,10 +13,12 @@ from condition_cases import chain_urdf
 from asmc_pin.condition import lemma1_norm, weighted_norm
 from asmc_pin.condition.checker.balls.witness import witness
 from asmc_pin.condition.checker.conclusions import Conclusion, Witness, armature_words, conclude, disagreements
+from asmc_pin.condition.checker.outcome import CheckedStatement, CheckResult
 from asmc_pin.condition.checker.reading.certificate_schema import Contents
 from asmc_pin.condition.checker.reading.header_parts import Malformed
 from asmc_pin.condition.checker.reading.subject import Subject, subject
 from asmc_pin.condition.checker.reading.urdf_text import description
+from asmc_pin.condition.checker.spot_checks import Spots
 
 NOTHING = Witness(0.0, False, False)
 
@@ -554,3 +556,18 @@ def test_no_scale_of_0_is_said_to_be_proven() -> None:
         "configuration known, and proven to be below 0.75"
     )
     assert "broken for every multiple of M̄" in _said_of(Conclusion("violated", 2.0, None, 0.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("boxes", "proven", "said"),
+    [
+        (1, True, "1 box covers the joint box, proven again (3 halved further)"),
+        (1, False, "1 box covers the joint box, not proven again (3 halved further)"),
+        (2, True, "2 boxes cover the joint box, all proven again (3 halved further)"),
+        (7, False, "7 boxes cover the joint box, not all proven again (3 halved further)"),
+    ],
+)
+def test_a_statement_is_said_to_be_proven_again_only_where_it_is(boxes: int, proven: bool, said: str) -> None:
+    checked = CheckedStatement("weighted", 1.5, 0.5, "", boxes, 3, proven, Spots())
+    (line,) = [x for x in CheckResult("x.cert", proven, (), None, None, (checked,), 0.1).lines() if "halved" in x]
+    assert line.endswith(said)

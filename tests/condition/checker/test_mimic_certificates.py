@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from arm_urdf import write
+from arm_urdf import inertial, joint, link, robot, write
 from certificate_truth import untruths
 from coupled_urdf import coupled_tree, gripper, parallelogram
 from flint import arb
@@ -22,6 +22,7 @@ from asmc_pin.condition.certificate.certificate_result import CertificateResult
 from asmc_pin.condition.certificate.container import digest, numbers, read
 from asmc_pin.condition.checker.balls.balls import BallArm
 from asmc_pin.condition.checker.boxes.pieces_of_statement import image
+from asmc_pin.condition.checker.reading.coupled_joints import following
 from asmc_pin.condition.checker.reading.link_chain import chain_of
 from asmc_pin.condition.checker.reading.urdf_text import Unreadable, description
 
@@ -251,3 +252,21 @@ def test_a_follower_that_was_freed_is_in_no_certificate(tmp_path: Path) -> None:
     result = certify(arm, bearable(arm, 0.5), gap=0.5, budget=10.0, levels=False)
     with pytest.raises(Exception, match="mimic others in the URDF and were freed: right_finger"):
         result.save(tmp_path / "proof.cert")
+
+
+@pytest.mark.parametrize(("ratio", "read_there"), [("1.5e-6", True), ("-9e5", True), ("9e-7", False), ("1.1e6", False)])
+def test_a_follower_that_hardly_moves_or_hardly_lets_its_leader_move_is_not_read(ratio: str, read_there: bool) -> None:
+    limit = '<limit lower="-2" upper="2" effort="50" velocity="3"/>'
+    mimic = f'<mimic joint="lead" multiplier="{ratio}"/>'
+    text = robot(
+        link("base"),
+        link("a", inertial()),
+        link("b", inertial()),
+        joint("lead", "base", "a"),
+        joint("tail", "a", "b", extra=limit + mimic),
+    )
+    if read_there:
+        assert following(description(text), ["lead"], ["lead", "tail"]).follows
+    else:
+        with pytest.raises(Unreadable, match="by a ratio not read here"):
+            following(description(text), ["lead"], ["lead", "tail"])
