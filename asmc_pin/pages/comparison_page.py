@@ -158,7 +158,8 @@ def _cards(result: Result) -> Iterator[str]:
         span = worst.ranges[k]
         figure += f'<span class="range">{for_html(" … ".join(span))}</span>' if span else ""
         yield (
-            f'<li data-controller="{for_html(label)}" style="--colour:{colours[label]}"><b>{for_html(label)}</b>'
+            f'<li data-controller="{for_html(label)}" style="--colour:{colours[label]}">'
+            f"<strong>{for_html(label)}</strong>"
             f'<span class="law">{for_html(str(dataset.law.to_numpy()[k]))}</span>'
             f'<span class="figure">{figure}<small>RMS error, worst joint</small></span>'
             f'<span class="state{" is-over" if over else ""}">{for_html(state)}</span></li>'

@@ -359,6 +359,7 @@ def test_the_words_of_hypotheses_need_nothing_heavy() -> None:
     named = imports_of("asmc_pin.condition.hypotheses")
     assert {name.rpartition(".")[0] for name in named if name.startswith("asmc_pin.")} <= {
         "asmc_pin.words.choices",
+        "asmc_pin.words.joint_units",
         "asmc_pin.words.provisos",
         "asmc_pin.words.text",
     }

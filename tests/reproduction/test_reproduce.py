@@ -337,7 +337,7 @@ def test_a_law_that_diverges_after_the_window_of_its_table_still_has_an_rms_erro
 
 def test_tuning_anew_writes_into_the_users_folder_and_runs_what_lies_there(tmp_path, monkeypatch):
     name = "baek2016_experiment"
-    files = sorted(shipped("experiments").iterdir())
+    files = sorted(path for path in shipped("experiments").rglob("*") if path.is_file())
     before = {path: path.read_bytes() for path in files}
     ran = []
 
@@ -360,7 +360,7 @@ def test_tuning_anew_writes_into_the_users_folder_and_runs_what_lies_there(tmp_p
     assert ran[0].to_toml() == load_experiment(path).to_toml()
     assert [label for label in ran[0].controllers if label.endswith(SUFFIX)] == ["Existing" + SUFFIX]
     assert "# 2 trials for each law" in path.read_text(encoding="utf-8")
-    assert {path: path.read_bytes() for path in sorted(shipped("experiments").iterdir())} == before
+    assert {path: path.read_bytes() for path in files} == before
 
 
 # The whole ----------------------------------------------------------------------------------------------------------

@@ -156,7 +156,7 @@ def test_a_result_tells_of_no_folders_of_its_maker(slider, tmp_path, monkeypatch
         provenance = json.loads((made / "provenance.json").read_text(encoding="utf-8"))
         assert provenance["experiment"]["folder"] == way
         assert provenance["arm"]["urdf"] == "slider.urdf"
-        private = {str(slider.parent), "ada", str(tmp_path), str(Path.cwd())}
+        private = {str(slider.parent), "/ada", str(tmp_path), str(Path.cwd())}
         assert not [text for text in texts(provenance) if text.startswith("/") or any(x in text for x in private)]
 
 

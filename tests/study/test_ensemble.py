@@ -166,7 +166,7 @@ def test_the_result_read_back_has_all_trials_in_its_summary(done):
     assert sorted(set(result.summary.trial)) == list(range(TRIALS))
     assert result.dataset.sizes["trial"] == 1
     page = (comparison.out / "report.html").read_text(encoding="utf-8")
-    assert f"{TRIALS} trials of each" in page
+    assert f"each ran {TRIALS} times" in page
     assert f"all {TRIALS} trials ran to the end" in page
     assert "How sure the order of two controllers is" in page
 

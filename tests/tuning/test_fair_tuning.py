@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from law_settings import required_of
 from tune_cases import repeatable, small
 
 import asmc_pin
@@ -176,7 +177,9 @@ def test_one_rule_gives_every_law_its_ranges_within_what_it_takes():
 
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_every_law_of_the_package_can_be_tuned_from_what_its_card_suggests(name):
-    space = search_space(small(controllers={name: {"law": name, **CONTROLLERS[name].typical}}), name)
+    space = search_space(
+        small(controllers={name: {"law": name, **required_of(name, 1.0), **CONTROLLERS[name].typical}}), name
+    )
     runs = CandidateRuns(small(), space, ("rms_error",))
     for end in (0, 1):
         factors = {key: ends[end] for key, ends in space.ranges.items()}

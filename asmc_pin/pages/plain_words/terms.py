@@ -50,7 +50,7 @@ def _item(markdown: str) -> str:
     flat = _LINK.sub(r"\1", " ".join(markdown.split()))
     plain = flat.removeprefix("**")
     anchor = next((name for name, begin in ANCHORS.items() if plain.startswith(begin)), None)
-    html = re.sub(r"\*\*(.+?)\*\*", r"<b>\1</b>", for_html(flat))
+    html = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", for_html(flat))
     html = re.sub(r"(?<!\*)\*([^*]+)\*", r"<em>\1</em>", re.sub(r"`([^`]+)`", r"<code>\1</code>", html))
     mark = "" if anchor is None else f' id="term-{anchor}"'
     return f"<li{mark}>{html}</li>"
