@@ -11,6 +11,7 @@ from asmc_pin.controllers.promises.bounded_gain import BoundedByEnergy
 from asmc_pin.controllers.promises.kept_width import KeptWidth
 from asmc_pin.controllers.promises.run_history import History, gathered
 from asmc_pin.controllers.promises.terminal_time import TerminalTime
+from asmc_pin.controllers.promises.twisting_order import TwistingOrder
 
 L, BETA, TICKS = 1e-3, 8.0, 50
 
@@ -109,3 +110,33 @@ def test_the_push_on_a_terminal_surface_is_what_the_law_s_own_pulls_leave_of_the
     promise = TerminalTime(p, stiffness, np.array([2.0, 2.0]), layer, BETA)
     found = promise.findings(history(error=error, rate=rate, bend=along + back - push))
     np.testing.assert_allclose(found.push, push, rtol=0.0, atol=1e-12)
+
+
+def test_a_terminal_surface_is_left_by_sigma_alone_or_by_the_error_alone() -> None:
+    p, stiffness, layer = 1.5, np.array([8.0, 8.0]), np.array([0.01, 0.01])
+    promise = TerminalTime(p, stiffness, np.array([2.0, 2.0]), layer, BETA)
+    error, rate, rest = (np.zeros((TICKS, 2)) for _ in range(3))
+    error[:, 0] = 0.005  # small enough; but from half of the run on σ is 0.02
+    rate[25:, 0] = (0.015 * 8.0) ** (1.0 / p)
+    found = promise.findings(history(error=error, rate=rate, bend=rest))
+    np.testing.assert_allclose(found.excess[25:], 0.01, rtol=1e-9)
+    assert (found.excess[:25] < 0.0).all()
+    assert "besides the law, of K + βBΦ = 2.64;" in found.seen
+    error[:, 0], rate[:, 0] = 0.05, -((0.05 * 8.0) ** (1.0 / p))  # σ is 0, and yet the error stays
+    found = promise.findings(history(error=error, rate=rate, bend=rest))
+    allowed = promise.allowed(L * np.arange(TICKS), np.zeros(2), np.array([0.05, 0.0]))[:, 0]
+    np.testing.assert_allclose(found.excess[1:], (0.05 - allowed)[1:], rtol=1e-6)
+    assert (found.excess[1:] > 0.0).all()
+
+
+def test_the_first_tick_is_no_jump_of_the_push_however_small_the_gains() -> None:
+    s = np.empty((TICKS, 2))
+    s[0], integral = 1e-9, 0.0
+    for k in range(TICKS - 1):  # k₁ = k₂ = 1 and nothing pushes: s changes its sign at once
+        sign = 1.0 if s[k, 0] >= 0.0 else -1.0
+        integral += L * sign
+        s[k + 1] = s[k] - L * (np.sqrt(abs(s[k])) * sign + integral)
+    assert s[1, 0] < 0.0
+    found = TwistingOrder(np.array([1.0, 1.0]), np.array([1.0, 1.0]), L).findings(history(s=s))
+    assert found.checked[0]
+    assert (found.excess[found.checked] < 0.0).all()

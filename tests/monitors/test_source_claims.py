@@ -16,11 +16,13 @@ from asmc_pin.controllers.law_card import suggested
 from asmc_pin.controllers.promises import twisting_order
 from asmc_pin.controllers.promises.bounded_gain import BoundedByEnergy
 from asmc_pin.controllers.promises.kept_width import KeptWidth
+from asmc_pin.controllers.promises.run_history import Findings
 from asmc_pin.controllers.promises.terminal_time import TerminalTime
 from asmc_pin.controllers.promises.twisting_order import bounds_of, reach_of
 from asmc_pin.engine import Rollout, rollout
 from asmc_pin.monitors import STATEMENTS, Claim, monitor
 from asmc_pin.monitors.run_again import recorded
+from asmc_pin.monitors.source_claims import _kept
 from asmc_pin.plant import Disturbance, Friction, Plant
 
 SOURCES = [key for key, item in STATEMENTS.items() if item.sources]
@@ -271,3 +273,28 @@ def test_a_recorded_reference_is_the_one_that_was_followed() -> None:
     found, expected = recorded(run).evaluate(between), wave.evaluate(between)
     for name, close in (("q", 1e-11), ("v", 1e-8), ("a", 1e-5)):
         assert getattr(found, name) == pytest.approx(getattr(expected, name), abs=close)
+
+
+@pytest.mark.parametrize(
+    ("excess", "checked", "kept"),
+    [
+        ([-1.0, 0.0], [True, True], True),
+        ([-1.0, 1e-300], [True, True], False),
+        ([1.0, -1.0], [False, True], True),
+        ([-1.0, -1.0], [False, False], False),
+    ],
+)
+def test_a_claim_is_kept_where_it_was_tested_and_nothing_exceeds_it(
+    tmp_path: Path, excess: list[float], checked: list[bool], kept: bool
+) -> None:
+    class Told:
+        def findings(self, history: Any) -> Findings:
+            return Findings(np.array(excess), np.array(checked), np.zeros((2, 1)), "", "")
+
+    class Promising(Barrier):
+        def promises(self) -> Any:
+            return {"width": Told()}
+
+    law = Promising(**GAINS, width=0.05, limit=20.0, period=1e-3)
+    run, _ = ran(law, tmp_path, seconds=1e-3)
+    assert _kept("width", run, law) == kept

@@ -19,6 +19,7 @@ from asmc_pin.plant import Disturbance, Drive, EndStops, Friction, PayloadChange
 from asmc_pin.plant.compiled_run.coverage import not_compiled
 from asmc_pin.plant.compiled_run.held_dynamics import TOLERANCE, difference_from_pinocchio
 from asmc_pin.rigid_body.dynamics import bodies_of
+from asmc_pin.study.stacked_settings import Stacked
 
 SHARED = {"mbar": [0.3, 0.08, 0.6], "ks": 8.0, "beta": 8.0, "period": 1e-3}
 LAWS = {"ppc": Ppc(**SHARED), "baek2016": Baek2016(**SHARED, phi=800.0, alpha=0.03, epsilon=0.01)}
@@ -153,6 +154,15 @@ def test_a_law_that_is_asked_at_every_tick_runs_to_the_last_bit_as_the_compiled_
     one, other = (run(arm, law(**SHARED), ticks=40, **PLANTS[plant]) for law in (InNumpy, Ppc))
     for name in HISTORIES:
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
+
+
+def test_settings_that_are_asked_together_at_every_tick_run_as_each_alone(arm: Arm) -> None:
+    settings = [InNumpy(**{**SHARED, "ks": ks}) for ks in (8.0, 5.0)]
+    together = run(arm, Stacked(settings, 3), ticks=20, **PLANTS["friction"])
+    for trial, law in enumerate(settings):
+        alone = run(arm, law, ticks=20, **PLANTS["friction"])
+        np.testing.assert_array_equal(together.q[trial], alone.q[trial])
+        np.testing.assert_array_equal(together.torque[trial], alone.torque[trial])
 
 
 @pytest.mark.parametrize("bound", [{"speed_bound": 1.5}, {"error_bound": 0.01}])
