@@ -45,5 +45,5 @@ def torque_rate_lines(experiment: Experiment, rows: pd.DataFrame) -> list[str]:
         ran[bool(np.all(own == 0.0))].append(label)
     robot = f"a {', '.join(f'{x:g}' for x in limit)} N·m/s robot"
     parts = [f"{', '.join(ran[True])} would have run on {robot} in every trial"] if ran[True] else []
-    parts += [f"{', '.join(ran[False])} would have tripped {robot} in at least one"] if ran[False] else []
+    parts += [f"{', '.join(ran[False])} would have tripped {robot} in at least one trial"] if ran[False] else []
     return [f"torque rate: {'; '.join(parts)}"]

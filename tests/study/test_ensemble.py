@@ -215,7 +215,7 @@ def test_a_law_that_a_robot_with_a_torque_rate_limit_would_refuse_is_named(tmp_p
     assert line == "torque rate: PPC, Proposed would have run on a 1e+07 N·m/s robot in every trial"
     strict = experiment(metrics={"torque_rate_limit": 1e-3})
     (line,) = [x for x in compare(strict, out=tmp_path / "b").notes if x.startswith("torque rate")]
-    assert line == "torque rate: PPC, Proposed would have tripped a 0.001 N·m/s robot in at least one"
+    assert line == "torque rate: PPC, Proposed would have tripped a 0.001 N·m/s robot in at least one trial"
     free = experiment(metrics={"torque_rate_limit": float("inf")})
     assert not [x for x in compare(free, out=tmp_path / "c").notes if x.startswith("torque rate")]
 
