@@ -33,7 +33,7 @@ NOISE = 0.01 * RNG.normal(size=(16, 2))
 def test_who_is_ahead_in_every_trial_is_named_with_the_factor_to_the_next() -> None:
     found = dict(winners(summary({"A": 1.0 + NOISE, "B": 2.0 + NOISE, "C": 4.0 + NOISE})))
     said = found["Follows the motion best"]
-    assert said.startswith("A: its RMS tracking error is 0.5")
+    assert said.startswith("A: its RMS tracking error, as the geometric mean over the joints, is 0.5")
     assert "times that of B, the next" in said
     assert "Certain for this plant and these gains" in said
 
@@ -47,7 +47,7 @@ def test_what_does_not_differ_beyond_its_spread_is_called_certain_by_nobody() ->
 
 def test_of_single_runs_the_order_is_told_and_its_sureness_is_not() -> None:
     found = dict(winners(summary({"A": np.array([[1.0, 1.0]]), "B": np.array([[4.0, 4.0]])})))
-    assert found["Follows the motion best"].startswith("A: its RMS tracking error is 0.25")
+    assert found["Follows the motion best"].startswith("A: its RMS tracking error, as the geometric mean over the joints, is 0.25")
     assert "how sure that is, is not known" in found["Follows the motion best"]
 
 

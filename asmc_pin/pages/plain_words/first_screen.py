@@ -98,8 +98,8 @@ def _by_pairs(pairs: list[PairedComparison], figure: str) -> str:
         return f"{best}, but its order to {_listed(unsure)} is not certain ({figure})."
     share = f"{number(nearest.ratio)} times that of {nearest.worse}, the next"
     return (
-        f"{best}: its {figure}, {_OVER}, is {share} (95 %: {number(nearest.low)} … {number(nearest.high)}). Certain for this "
-        "plant and these gains; other plants or gains may turn it round."
+        f"{best}: its {figure}, {_OVER}, is {share} (95 %: {number(nearest.low)} … {number(nearest.high)}). Certain "
+        "for this plant and these gains; other plants or gains may turn it round."
     )
 
 
@@ -116,8 +116,8 @@ def _by_medians(summary: pd.DataFrame, name: str, figure: str) -> str:
         return f"{labels[order[0]]} ({figure}). One run each: how sure that is, is not known."
     share = number(float(mean[order[0]] / mean[order[1]]))
     return (
-        f"{labels[order[0]]}: its {figure}, {_OVER}, is {share} times that of {labels[order[1]]}, the next. One run each: "
-        "how sure that is, is not known."
+        f"{labels[order[0]]}: its {figure}, {_OVER}, is {share} times that of {labels[order[1]]}, the next. One run "
+        "each: how sure that is, is not known."
     )
 
 
