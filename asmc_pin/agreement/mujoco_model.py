@@ -16,6 +16,7 @@ from lxml import etree
 from asmc_pin._typing import Array
 from asmc_pin.agreement.folded_bodies import fold_impossible
 from asmc_pin.arms import Arm
+from asmc_pin.arms.urdf.urdf_document import read_again
 from asmc_pin.errors import MissingDependencyError, NotComparableError
 
 # What MuJoCo is given where a link has no mass or no rotational inertia, which it refuses: kg, kg·m².
@@ -207,7 +208,7 @@ def dynamics_only(urdf: str) -> str:
     Numbers stay as they are written. Limits, friction, damping and mimics go too: the comparison is of free arms. Links
     get a prefix before their names.
     """
-    root = _tree(urdf)
+    root = read_again(urdf)
     for element in root.iter():
         if isinstance(element.tag, str) and element.tag.startswith("{"):
             element.tag = etree.QName(element).localname
@@ -230,15 +231,11 @@ def dynamics_only(urdf: str) -> str:
     return text
 
 
-def _tree(urdf: str) -> Any:
-    return etree.fromstring(urdf.encode(), etree.XMLParser(encoding="utf-8", resolve_entities=False, no_network=True))
-
-
 def _followed(arm: Arm, names: Sequence[str]) -> tuple[Array, Array]:
     """S (n, nv) and the offsets (n,) of the joints by these names: the arm's own reading of the URDF is not used."""
     numbers = {name: i for i, name in enumerate(arm.joint_names)}
     written: dict[str | None, Any] = {}
-    for joint in _tree(arm.urdf_text).iter():
+    for joint in read_again(arm.urdf_text).iter():
         if isinstance(joint.tag, str) and etree.QName(joint).localname == "joint":
             for mimic in joint:
                 if isinstance(mimic.tag, str) and etree.QName(mimic).localname == "mimic":

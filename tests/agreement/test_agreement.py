@@ -20,7 +20,9 @@ from asmc_pin.agreement import AgreementReport, agree
 from asmc_pin.agreement import mujoco_model as engine_module
 from asmc_pin.agreement.agreement_report import TOLERANCE
 from asmc_pin.arms import Arm, arm_names, load_arm
+from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.errors import MissingDependencyError, ParameterError
+from asmc_pin.viewer.drawing.visuals import read_visuals
 
 ROUND_OFF = 1e-10
 RANDOM = settings(
@@ -203,6 +205,17 @@ def test_meshes_extensions_and_namespaces_are_not_needed(tmp_path: Path) -> None
         "</robot>", f"{extra}</robot>"
     )
     assert_same(quick(load_arm(write(tmp_path, text.replace("<robot ", '<robot xmlns="http://other" ')))))
+
+
+def test_a_namespace_that_is_no_address_is_forgiven_wherever_the_text_is_read(tmp_path: Path) -> None:
+    text = two_joints().replace('<origin xyz="0.1', '<origin xmlns:a="line break" xyz="0.1', 1)
+    assert "line break" in text
+    arm = load_arm(write(tmp_path, text))
+    assert_same(quick(arm))
+    ball = text.replace("</link>", '<visual><geometry><sphere radius="0.1"/></geometry></visual></link>')
+    shown, problems = read_visuals(load_arm(write(tmp_path, ball)).urdf_text, RobotFiles(tmp_path))
+    assert {"upper", "lower"} <= set(shown)
+    assert not problems
 
 
 def test_an_axis_that_is_left_out_is_x_in_both(tmp_path: Path) -> None:

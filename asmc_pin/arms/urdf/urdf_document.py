@@ -235,14 +235,13 @@ def parsed_again(path: Path, text: str, sha256: str, provisos: tuple[Proviso, ..
     return Document(path=path, text=text, sha256=sha256, root=root, provisos=provisos, mjcf=mjcf)
 
 
-def _parsed(path: Path, text: str) -> Any:
-    """The tree of an XML text, with nothing expanded and nothing fetched."""
-    # Both parsers see the same bytes: what one reads otherwise than the other is a way past the first.
-    data = with_known_version(without_declared_encoding(text)).encode("utf-8")
-    if len(data) > 2 * LARGEST:
-        raise ArmError(path, f"{shown(path)}: expands to {len(data) / 1e6:.4g} MB; no robot has as much")
-    _scan(path, data)
-    parser = etree.XMLParser(
+def read_again(urdf: str) -> Any:
+    """The tree of an arm's `urdf_text`, which was read before; what the first reading forgave is forgiven here too."""
+    return etree.fromstring(with_known_version(without_declared_encoding(urdf)).encode("utf-8"), _parser())
+
+
+def _parser() -> Any:
+    return etree.XMLParser(
         encoding="utf-8",
         resolve_entities=False,
         no_network=True,
@@ -251,6 +250,16 @@ def _parsed(path: Path, text: str) -> Any:
         remove_pis=True,
         recover=True,
     )
+
+
+def _parsed(path: Path, text: str) -> Any:
+    """The tree of an XML text, with nothing expanded and nothing fetched."""
+    # Both parsers see the same bytes: what one reads otherwise than the other is a way past the first.
+    data = with_known_version(without_declared_encoding(text)).encode("utf-8")
+    if len(data) > 2 * LARGEST:
+        raise ArmError(path, f"{shown(path)}: expands to {len(data) / 1e6:.4g} MB; no robot has as much")
+    _scan(path, data)
+    parser = _parser()
     root = etree.fromstring(data, parser)
     # Well-formed but for prefixes that nobody declared, which Pinocchio does not mind.
     wrong = [entry for entry in parser.error_log if entry.domain_name != "NAMESPACE"]

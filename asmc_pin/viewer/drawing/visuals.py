@@ -10,10 +10,10 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from lxml import etree
 
 from asmc_pin._typing import Array
 from asmc_pin.arms.sources.robot_files import RobotFiles
+from asmc_pin.arms.urdf.urdf_document import read_again
 from asmc_pin.viewer.drawing.meshes import load_mesh
 from asmc_pin.viewer.drawing.surface import PLAIN, Surface, painted
 from asmc_pin.words.text import as_number, printable
@@ -39,10 +39,7 @@ def read_visuals(urdf_text: str, files: RobotFiles) -> tuple[dict[str, list[Surf
         Surfaces by link name, in the link's frame; and, by link name, what is not drawn as written: a mesh that was
         not found, a colour that is none.
     """
-    # Entities stay unexpanded and nothing is fetched: a URDF may come from anywhere.
-    root = etree.fromstring(
-        urdf_text.encode(), etree.XMLParser(encoding="utf-8", resolve_entities=False, no_network=True)
-    )
+    root = read_again(urdf_text)
     materials: dict[str, Colour] = {}
     for material in root.findall("material"):
         colour, _ = _colour(material, {})
