@@ -47,7 +47,9 @@ def test_what_does_not_differ_beyond_its_spread_is_called_certain_by_nobody() ->
 
 def test_of_single_runs_the_order_is_told_and_its_sureness_is_not() -> None:
     found = dict(winners(summary({"A": np.array([[1.0, 1.0]]), "B": np.array([[4.0, 4.0]])})))
-    assert found["Follows the motion best"].startswith("A: its RMS tracking error, as the geometric mean over the joints, is 0.25")
+    assert found["Follows the motion best"].startswith(
+        "A: its RMS tracking error, as the geometric mean over the joints, is 0.25"
+    )
     assert "how sure that is, is not known" in found["Follows the motion best"]
 
 
