@@ -175,10 +175,11 @@ def judging(mutant: Mutant, covered: Covered, among: list[str]) -> list[str]:
         near = {file_of(name) for name in among if any(each.startswith(inside) for each in covered[name][1])}
         names = [name for name in among if file_of(name) in near]
     names.sort(key=lambda name: covered[name][0])
+    most = ENOUGH if mutant.function is not None else 4.0 * ENOUGH  # all tests of its part at once
     taken, total = [], 0.0
     for name in names:
         total += covered[name][0]
-        if taken and total > ENOUGH:
+        if taken and total > most:
             break
         taken.append(name)
     return taken

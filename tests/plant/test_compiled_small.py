@@ -156,6 +156,37 @@ def test_a_law_that_is_asked_at_every_tick_runs_to_the_last_bit_as_the_compiled_
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
 
 
+class Lost(InNumpy):
+    """PPC that asks one of two trials for no number from the tenth tick on."""
+
+    def step(self, state: Any, sample: Any, setpoint: Any) -> Any:
+        torque, after = super().step(state, sample, setpoint)
+        return (torque * [[1.0], [np.nan]] if state.ticks >= 10 else torque), after
+
+
+@pytest.mark.parametrize(
+    ("law", "bound", "status"),
+    [
+        (Lost(**SHARED), {}, ("ok", "diverged")),
+        (Ppc(**SHARED), {"speed_bound": 1.4}, ("ok", "diverged")),
+        (InNumpy(**SHARED), {"error_bound": 0.012}, ("diverged", "diverged")),
+    ],
+)
+def test_a_trial_that_is_lost_stops_at_the_same_tick_by_pinocchio(
+    arm: Arm, law: Any, bound: dict[str, Any], status: tuple[str, str]
+) -> None:
+    still = Waving(START, amplitude=0.0)
+    compiled, other = (
+        run(arm, law, reference=still, friction=SLIDING, engine=engine, **bound) for engine in ("compiled", "pinocchio")
+    )
+    assert compiled.status == other.status == status
+    np.testing.assert_array_equal(compiled.end_time, other.end_time)
+    for name in ("q", "v", "torque", "friction_torque"):
+        found, expected = getattr(compiled, name), getattr(other, name)
+        np.testing.assert_array_equal(np.isnan(found), np.isnan(expected), err_msg=name)
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=SIZES.get(name, 1e-11) * 50.0, err_msg=name)
+
+
 def test_settings_that_are_asked_together_at_every_tick_run_as_each_alone(arm: Arm) -> None:
     settings = [InNumpy(**{**SHARED, "ks": ks}) for ks in (8.0, 5.0)]
     together = run(arm, Stacked(settings, 3), ticks=20, **PLANTS["friction"])

@@ -17,7 +17,7 @@ from asmc_pin.arms.frame_kinematics import FrameKinematics
 from asmc_pin.arms.urdf.rigid_inertia import inertia_problem
 from asmc_pin.engine import rollout
 from asmc_pin.errors import ParameterError
-from asmc_pin.plant import Disturbance, Drive, EndStops, Friction, PayloadChange, Plant, Sensor, Spread
+from asmc_pin.plant import Disturbance, Drive, EndStops, Friction, PayloadChange, Plant, Sensor, Spread, moving_arms
 from asmc_pin.plant.world.end_stops import StopForces
 from asmc_pin.plant.world.spread import vary_links
 
@@ -321,6 +321,22 @@ def test_as_many_substeps_as_are_named_resolve_the_stops_and_one_less_does_not(a
         Plant(arm, end_stops=EndStops(stiffness=1e8), substeps=least - 1).begin(start, start, 1e-3)
 
 
+def test_arms_under_way_are_told_apart_by_when_they_begin(arm):
+    changes = [PayloadChange(time=0.5, payload=1.0), PayloadChange(time=0.8)]
+    found = moving_arms(Plant(arm, payload_changes=changes), 1e-3, 1.0)
+    assert [each.when for each in found] == ["until 0.5 s", "from 0.5 to 0.8 s", "from 0.8 s on"]
+    assert [each.when for each in moving_arms(Plant(arm), 1e-3, 1.0)] == [""]
+
+
+def test_nobody_changes_the_torque_limits_under_a_plant(arm):
+    given = np.full(arm.nv, 30.0)
+    plant = Plant(arm, effort_limit=given)
+    given[0] = 1.0
+    assert plant.effort_limit[0] == 30.0
+    with pytest.raises(ValueError, match="read-only"):
+        plant.effort_limit[0] = 1.0
+
+
 ALIKE = [
     *(EndStops, Drive, Sensor),
     lambda: Disturbance(profile="sine", torque=1.0, frequency=2.0),
@@ -347,10 +363,18 @@ def test_a_varied_arm_shows_itself_as_arms_do_and_not_by_its_arrays():
     assert len(repr(varied)) < 500
 
 
+@pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
 @pytest.mark.parametrize("viscous", [10.0, 1e5])
-def test_viscous_friction_is_that_of_the_velocity_after_the_step_so_that_none_overshoots(tmp_path, viscous):
+def test_viscous_friction_is_that_of_the_velocity_after_the_step_so_that_none_overshoots(tmp_path, viscous, engine):
     arm = slider(tmp_path, 2.0)
-    plant = Plant(arm, friction=Friction(0.0, viscous), substeps=1, integrator="semi_implicit", start="relaxed")
+    plant = Plant(
+        arm,
+        friction=Friction(0.0, viscous),
+        substeps=1,
+        integrator="semi_implicit",
+        start="relaxed",
+        engine=engine,
+    )
     run = rollout(plant, OpenLoop(lambda t: 0.0, 1e-3), Still(np.zeros(1)), 0.005, v0=[1.0])
     np.testing.assert_allclose(run.v[0, :, 0], (1.0 + 1e-3 * viscous / 2.0) ** -np.arange(6.0), rtol=1e-9, atol=1e-14)
 
