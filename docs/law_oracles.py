@@ -127,9 +127,24 @@ class Trace:
         """Sliding variable (4)."""
         return self.rate + self.law.ks * self.e
 
-    def error(self, w: Array | float = 0.0) -> Array:
-        """N_k, the TDE error about what the law wanted, w its own term."""
-        return np.asarray(self.a - (self.wanted + w)[:-1])
+    @property
+    def error(self) -> Array:
+        """N_k of a law without a term of its own: the TDE error about what was wanted."""
+        return np.asarray(self.a - self.wanted[:-1])
+
+    @property
+    def commanded(self) -> Array:
+        """The acceleration that each tick's torque asks for, by time-delay estimation; from the second tick on.
+
+        τ_k = M̄ (u_k − q̈̂_k) + τ_{k−1}, the estimate the mean over the last period: what the law did, not what its
+        equations say that it does.
+        """
+        return np.asarray(np.diff(self.torque, axis=0) / self.law.mbar + self.a)
+
+    @property
+    def estimation_error(self) -> Array:
+        """N_k about what was commanded, from the second tick on."""
+        return np.asarray(self.a[1:] - self.commanded[:-1])
 
 
 def run(
@@ -230,7 +245,7 @@ def _dob() -> float:
 
 def _recursion(law: Any, mass: float, c: float) -> float:
     trace = run(law, mass)
-    n, u, h = trace.error()[:, 0], trace.wanted[:-1, 0], trace.load[:-1, 0]
+    n, u, h = trace.error[:, 0], trace.wanted[:-1, 0], trace.load[:-1, 0]
     a = float(law.mbar) / mass
     expected = (1.0 - c * a) * n[:-1] - (1.0 - a) * np.diff(u) - np.diff(h) / mass
     return apart(n[1:], expected)
@@ -250,7 +265,7 @@ def _dob_edge() -> float:
         law = Dob(mbar=3.0, cutoff_hz=cutoff, ks=0.1, beta=0.1, period=PERIOD)
         kick = np.zeros((120, 1))
         kick[2:] = 1.0
-        n = np.abs(run(law, 1.0, ticks=120, load=kick, kicks=0.0).error()[:, 0])
+        n = np.abs(run(law, 1.0, ticks=120, load=kick, kicks=0.0).error[:, 0])
         grown.append(n[100] / n[40])
     return 1.0 if grown[0] < 1.0 < grown[1] else 0.0
 
@@ -266,8 +281,8 @@ def _ivf() -> float:
     law = Ivf(mbar=[0.7, 0.4], gain=80.0, **GAINS)
     trace = run(law, 1.0, 0.8)
     z = np.array([state.ahead[0] for state in trace.states])
-    n = trace.error(law.gain * z)
-    return apart(z[1:], (1.0 - PERIOD * law.gain) * z[:-1] - PERIOD * n)
+    n = trace.estimation_error
+    return apart(z[2:], (1.0 - PERIOD * law.gain) * z[1:-1] - PERIOD * n)
 
 
 @oracle("ivf", "z, as the integral of what was wanted less q̇", "z_k = z_{k−1} + L (u_{k−1} − q̈̂_k)")
@@ -369,8 +384,7 @@ def _implicit_error(share: float) -> float:
     law = Implicit(mbar=[0.7, 0.4], gain=1e6, share=share, **GAINS)
     trace = run(law, 1.0, 0.8)
     reach, ahead = _prediction(trace)
-    n = trace.error(share / reach * ahead)
-    return apart(trace.s[1:], (1.0 - share) * ahead[:-1] - reach * n)
+    return apart(trace.s[2:], (1.0 - share) * ahead[1:-1] - reach * trace.estimation_error)
 
 
 def _prediction(trace: Trace) -> tuple[Array, Array]:
@@ -401,11 +415,10 @@ def _adaptive_error(law: Any) -> float:
     trace = run(law, 1.0)
     gain = np.array([state.gain[0] for state in trace.states])
     reach, ahead = _prediction(trace)
-    inside = (np.abs(ahead) < gain * reach)[:-1]
+    inside = (np.abs(ahead) < gain * reach)[1:-1]
     if inside.sum() < 20:
         raise RuntimeError("hardly ever inside the band")
-    n = trace.error(np.clip(ahead / reach, -gain, gain))
-    return apart(trace.s[1:][inside], (-reach * n)[inside])
+    return apart(trace.s[2:][inside], (-reach * trace.estimation_error)[inside])
 
 
 @oracle("sta", "`k1 = k2 = 0`", "the torque of `ppc`, to the last bit", 0.0)
@@ -419,16 +432,8 @@ def _sta_mean() -> float:
     ramp = 30.0 * PERIOD * np.arange(6000)[:, None]
     law = Sta(mbar=0.6, k1=2.0, k2=3.0, **GAINS)
     trace = run(law, 1.0, ticks=6000, load=ramp, kicks=0.0)
-    w = _term(trace)[:-1]
-    n = trace.a - trace.wanted[:-1] - w
-    return float(-w[3000:].mean() / n[3000:].mean())
-
-
-def _term(trace: Trace) -> Array:
-    """What super-twisting added to PPC at each tick."""
-    law = trace.law
-    integral = np.array([state.integral[0] for state in trace.states])
-    return np.asarray(law.k1 * np.sqrt(np.abs(trace.s)) * np.where(trace.s >= 0.0, 1.0, -1.0) + integral)
+    w = (trace.commanded - trace.wanted[1:])[:-1]
+    return float(-w[3000:].mean() / trace.estimation_error[3000:].mean())
 
 
 @oracle("sta", "largest s in the limit cycle, over that at half the period", "4: it is of order L²", 0.4, 4.0)
