@@ -59,6 +59,8 @@ def read_file(path: Path, largest: int, what: str, fail: Fail) -> bytes:
                 data = file.read(largest + 1)
         finally:
             os.close(descriptor)
+    except AsmcPinError:  # some are ValueErrors, and said what is wrong
+        raise
     except (OSError, ValueError) as error:
         raise fail(f"{shown(path)}: cannot be read ({reason(error)})") from None
     if len(data) > largest:  # it grows while it is read

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from asmc_pin.disk.reading import Fail
 from asmc_pin.logs.log_options import LogOptions
+from asmc_pin.words.interface import column_words
 from asmc_pin.words.text import printable
 
 _WORDS = {
@@ -31,8 +32,8 @@ def clock_column(columns: Sequence[str], options: LogOptions, name: str, fail: F
     found = next((known for known in _CLOCKS if known in columns), None)
     if found is None:
         raise fail(
-            f"{name} has no column 't' or 'time'; name the one with the time stamps (columns: t=NAME); "
-            f"{_given(columns)}"
+            f"{name} has no column 't' or 'time'; name the one with the time stamps: "
+            f"{column_words('t')}; {_given(columns)}"
         )
     return found
 
@@ -82,7 +83,10 @@ def joint_columns(
         return None
     if None in found:
         i = found.index(None)
-        raise fail(f"{name} has no column '{kind}{i + 1}' or '{kind}_{joints[i]}'; {_given(columns)}")
+        raise fail(
+            f"{name} has no column '{kind}{i + 1}' or '{kind}_{joints[i]}'; where they have other names: "
+            f"{column_words(kind)}; {_given(columns)}"
+        )
     return [str(column) for column in found]
 
 

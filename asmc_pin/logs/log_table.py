@@ -45,7 +45,7 @@ def read_table(path: Path, fail: Fail) -> Any:
     def wrong(message: str) -> AsmcPinError:
         return fail(f"{shown(path)} cannot be read: {message.removeprefix(f'{shown(path)}: ')}")
 
-    data = read_file(path, LARGEST, "a recording", lambda message: fail(str(wrong(message))))
+    data = read_file(path, LARGEST, "a recording", wrong)
     if data[:2] == _GZIP:
         data = _unpacked(data, wrong)
     table = _parquet(data, wrong) if data[:4] == _PARQUET else _csv(data, wrong)

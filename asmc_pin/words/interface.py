@@ -55,6 +55,13 @@ def chain_words(base: str, tip: str) -> str:
     return f"chain={(base, tip)!r}"
 
 
+def column_words(kind: str) -> str:
+    """How a column of a log is named that has another name than is looked for."""
+    if _SPOKEN.get() == "command line":
+        return f"--columns {kind}=NAME"
+    return f"columns={{'{kind}': 'NAME'}}"
+
+
 def parameter_words(option: str) -> str:
     """An option's name, for the beginning of a message; a TOML key gets its table where it is known."""
     return f"--{option}" if _SPOKEN.get() == "command line" else option

@@ -228,3 +228,14 @@ def test_an_unstable_loop_is_status_1_with_one_remedy(asmc_pin):
     assert status == 1
     assert "the sampled loop is UNSTABLE" in out
     assert out.count("remedy: lower β and K_s") == 1
+
+
+def test_a_law_without_a_choice_of_gains_is_refused_before_anything_is_searched(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["design", "two_link", "--gains", "--period", "0.001", "--law", "sta"])
+    out, err = capsys.readouterr()
+    assert (ended.value.code, out) == (2, "")
+    assert "these have: dob, implicit" in err
+    assert "looking for" not in err

@@ -13,6 +13,7 @@ import pytest
 from asmc_pin.errors import ParameterError
 from asmc_pin.logs import LogOptions, read_log
 from asmc_pin.logs.resampling import at_equal_steps, low_passed, smoothing_spline, white_noise
+from asmc_pin.words.interface import speaking
 
 JOINTS = ("shoulder", "elbow")
 
@@ -153,6 +154,22 @@ def test_a_damaged_file_is_one_message(tmp_path: Path, data: bytes) -> None:
     path.write_bytes(data)
     with pytest.raises(ParameterError, match="cannot be read"):
         read_log(path, JOINTS)
+
+
+def test_what_is_no_file_is_told_once() -> None:
+    with pytest.raises(ParameterError) as refused:
+        read_log("/dev/zero", JOINTS)
+    assert str(refused.value).startswith("log: /dev/zero cannot be read: is no file but a device")
+    assert str(refused.value).count("cannot be read") == 1
+
+
+def test_a_column_under_another_name_is_asked_for_in_the_words_of_the_interface(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    table().rename(columns={"t": "x"}).to_csv(path, index=False)
+    for interface, said in (("command line", "--columns t=NAME"), ("Python", "columns={'t': 'NAME'}")):
+        with speaking(interface), pytest.raises(ParameterError) as refused:  # type: ignore[arg-type]
+            read_log(path, JOINTS)
+        assert said in str(refused.value)
 
 
 @pytest.mark.parametrize("options", [{"columns": {"torque": "x"}}, {"time_unit": "min"}, {"torque_side": "gear"}])

@@ -131,6 +131,10 @@ def design(
     if (law is not None or settings) and not gains:
         raise ParameterError("--law" if law is not None else "--set", "is for gains: add --gains and --period")
     own = settings_of(law, settings)
+    if law is not None:
+        from asmc_pin.sampled.gain_choice.law_choice import checked_law
+
+        checked_law(law)
     limits, ranges = parse_bounds(bounds), parse_box(box)
     allowed = None if noise_budget is None else per_joint(noise_budget, "--noise-budget")
     length = None if period is None else number(period, "--period")
