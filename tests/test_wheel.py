@@ -57,6 +57,7 @@ def test_the_wheel_carries_arms_and_experiments(installed, tmp_path):
     assert "unrefuted" in done.stdout
 
 
+@pytest.mark.long
 def test_the_wheel_compares(installed, tmp_path):
     experiment = tmp_path / "short.toml"
     experiment.write_text(SHORT)

@@ -135,7 +135,7 @@ def _markdown(report: ConditionReport | DesignReport, arm: Arm, plates: list[Pla
         head, rows = joint_table(check, arm)
         lines += ["", "## Joints and the worst configuration", "", markdown_table(Table("", head, rows))]
     for plate in plates:
-        lines += plate.markdown(stem)
+        lines += plate.markdown(f"{stem}_")
     lines += ["", "## What the condition means", "", "\n\n".join(meaning(report.condition))]
     return "\n".join(lines) + "\n"
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -41,10 +42,10 @@ class Plate:
         image = f'<img alt="{for_html(self.caption)}" src="data:image/png;base64,{data}">'
         return f'<figure><div class="paper">{image}</div><figcaption>{for_html(self.caption)}</figcaption></figure>'
 
-    def markdown(self, stem: str) -> list[str]:
-        """Lines that show the file beside the page."""
+    def markdown(self, before: str) -> list[str]:
+        """Lines that show the figure's PNG file; `before` stands before its name, from the page's own folder."""
         caption = for_markdown(self.caption)
-        return ["", f"![{caption}](<{stem}_{self.name}.png>)", "", f"*{caption}*"]
+        return ["", f"![{caption}](<{before}{self.name}.png>)", "", f"*{caption}*"]
 
 
 def is_html(path: Path) -> bool:
@@ -58,7 +59,7 @@ def is_html(path: Path) -> bool:
     return path.suffix.lower() == ".html"
 
 
-def write_beside(path: Path, plates: list[Plate]) -> None:
+def write_beside(path: Path, plates: Iterable[Plate]) -> None:
     """The figures of a Markdown page, beside it."""
     for plate in plates:
         write_whole(path.with_name(f"{path.stem}_{plate.name}.png"), plate.png())

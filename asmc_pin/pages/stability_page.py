@@ -72,7 +72,7 @@ def write_stability_page(
     lines = [f"# {for_markdown(title)}", "", *(f"- {for_markdown(line)}" for line in report.lines())]
     lines += ["", "## Ranges", "", for_markdown(_method(curves, heavy)), "", markdown_table(table)]
     for plate in plates:
-        lines += plate.markdown(path.stem)
+        lines += plate.markdown(f"{path.stem}_")
     write_whole(path, "\n".join(lines) + "\n")
 
 

@@ -14,7 +14,7 @@ from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import ParameterError, ResultError
 from asmc_pin.pages.benches.bench_figures import bench_plates
 from asmc_pin.pages.benches.bench_findings import BenchFindings
-from asmc_pin.pages.benches.bench_page import bench_html, bench_markdown
+from asmc_pin.pages.benches.bench_page import page_of_bench
 from asmc_pin.pages.figure_style import paper_style, save
 from asmc_pin.results.provenance import PACKAGES, package_version
 from asmc_pin.suites.bench_result import Benchmark, bench_json
@@ -146,8 +146,9 @@ def _write(
     with paper_style():
         for plate in plates:
             save(plate.figure, figures / plate.name)
-    write_whole(folder / "summary.md", bench_markdown(findings, plates, "figures/"))
-    write_whole(folder / "report.html", bench_html(findings, plates))
+    page = page_of_bench(findings, plates)
+    write_whole(folder / "summary.md", page.markdown("figures/"))
+    write_whole(folder / "report.html", page.html())
     told = {
         "suite": {"name": findings.suite, "sha256": findings.sha256, "part": findings.scope},
         "started": started.isoformat(timespec="seconds"),

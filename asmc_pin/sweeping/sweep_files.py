@@ -10,7 +10,7 @@ from asmc_pin.disk.files import write_whole
 from asmc_pin.pages.figure_style import paper_style, save
 from asmc_pin.pages.sweeps.sweep_figures import sweep_plates
 from asmc_pin.pages.sweeps.sweep_findings import SweepFindings
-from asmc_pin.pages.sweeps.sweep_page import sweep_html, sweep_markdown
+from asmc_pin.pages.sweeps.sweep_page import page_of_sweep
 from asmc_pin.results import result_folder
 from asmc_pin.results.provenance import provenance
 from asmc_pin.sweeping.block_rows import as_parquet
@@ -58,8 +58,9 @@ def write_findings(plan: SweepPlan, folder: Path, started: datetime, seconds: fl
     with paper_style():
         for plate in plates:
             save(plate.figure, figures / plate.name)
-    write_whole(folder / "summary.md", sweep_markdown(findings, plates, "figures/"))
-    write_whole(folder / REPORT, sweep_html(findings, plates))
+    page = page_of_sweep(findings, plates)
+    write_whole(folder / "summary.md", page.markdown("figures/"))
+    write_whole(folder / REPORT, page.html())
     told = provenance(plan.experiment, plan.experiment.build_arm(), started, {"sweep": seconds}, folder)
     told["sweep"] = {"key": plan.key, "trials": plan.trials, "draws": plan.draws}
     told["files"].pop(result_folder.PROVENANCE, None)

@@ -18,7 +18,7 @@ from asmc_pin.metrics import METRICS
 from asmc_pin.pages.figure_style import paper_style, save
 from asmc_pin.pages.tunings.tune_figures import tune_plates
 from asmc_pin.pages.tunings.tune_findings import TuneFindings
-from asmc_pin.pages.tunings.tune_page import tune_html, tune_markdown
+from asmc_pin.pages.tunings.tune_page import page_of_tuning
 from asmc_pin.results import result_folder
 from asmc_pin.results.provenance import provenance
 from asmc_pin.sweeping.block_rows import as_parquet
@@ -65,8 +65,9 @@ def write_tuning(
     with paper_style():
         for plate in plates:
             save(plate.figure, figures / plate.name)
-    write_whole(folder / SUMMARY, tune_markdown(findings, plates, "figures/"))
-    write_whole(folder / REPORT, tune_html(findings, plates))
+    page = page_of_tuning(findings, plates)
+    write_whole(folder / SUMMARY, page.markdown("figures/"))
+    write_whole(folder / REPORT, page.html())
     experiment = findings.experiment
     told = provenance(experiment, experiment.build_arm(), started, {"tune": seconds}, folder)
     told["tune"] = {"key": key, "budget": findings.budget}

@@ -225,6 +225,7 @@ def test_a_former_result_is_not_put_back_over_a_later_one(tmp_path):
     assert names(tmp_path / "result") == ["x"]
 
 
+@pytest.mark.long
 def test_a_comparison_that_is_killed_leaves_nothing_after_the_next(tmp_path):
     (tmp_path / "short.toml").write_text(SHORT)
     arguments = command("compare", "short.toml", "--json")

@@ -58,9 +58,10 @@ def bench(
 
         found = run(suite, out, quick=quick, arms=arm, tasks=task, laws=law, workers=workers, progress=tell)
     if report is not None:
-        from asmc_pin.pages.benches.bench_page import write_bench_page
+        from asmc_pin.pages.benches.bench_figures import bench_plates
+        from asmc_pin.pages.benches.bench_page import page_of_bench
 
-        write_bench_page(found.findings, report)
+        page_of_bench(found.findings, list(bench_plates(found.findings))).write(report)
     if as_json:
         print_json(found.to_json_dict())
     else:

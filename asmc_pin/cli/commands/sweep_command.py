@@ -82,9 +82,10 @@ def sweep(
 
         found = run(loaded, trials, out, workers=workers, dask=dask, block=block, force=force, progress=tell)
     if report is not None:
-        from asmc_pin.pages.sweeps.sweep_page import write_sweep_page
+        from asmc_pin.pages.sweeps.sweep_figures import sweep_plates
+        from asmc_pin.pages.sweeps.sweep_page import page_of_sweep
 
-        write_sweep_page(found.findings, report)
+        page_of_sweep(found.findings, list(sweep_plates(found.findings))).write(report)
     if as_json:
         print_json(found.to_json_dict())
     else:

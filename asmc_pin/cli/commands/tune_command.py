@@ -50,9 +50,10 @@ def tune(
     with progress_bar(lines_every=10.0, of="of the work") as progress:
         found = run(loaded, trials, out, force=force, progress=progress)
     if report is not None:
-        from asmc_pin.pages.tunings.tune_page import write_tune_page
+        from asmc_pin.pages.tunings.tune_figures import tune_plates
+        from asmc_pin.pages.tunings.tune_page import page_of_tuning
 
-        write_tune_page(found.findings, report)
+        page_of_tuning(found.findings, list(tune_plates(found.findings))).write(report)
     if as_json:
         print_json(found.to_json_dict())
     else:

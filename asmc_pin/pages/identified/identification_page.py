@@ -63,7 +63,7 @@ def write_identification_page(found: Identification, path: str | Path) -> None:
     lines = [f"# {for_markdown(title)}", "", *(f"- {for_markdown(line)}" for line in found.lines())]
     lines += ["", "## What is left of each joint's torque", "", for_markdown(_STAGES), "", markdown_table(left)]
     for plate in plates:
-        lines += plate.markdown(path.stem)
+        lines += plate.markdown(f"{path.stem}_")
     if estimates is not None:
         lines += ["", "## Estimates, 95 %", "", markdown_table(estimates)]
     lines += ["", *(f"- {for_markdown(line)}" for line in remarks)]

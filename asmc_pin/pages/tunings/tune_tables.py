@@ -21,7 +21,8 @@ HOW_JUDGED = (
 HOW_COMPARED = (
     "Tuned controllers on the held-out draws, in which all meet the same plant, start, noise and motion. Ratio: the "
     "better one's figure over the other's, with a 95 % interval. p: Wilcoxon's signed-rank test, adjusted by Holm over "
-    "the rows. Sure: the interval excludes 1, on at least 6 draws."
+    "the rows. Sure: the interval excludes 1, on at least 6 draws; it is about "
+    "the gains that this budget found, and another may find others."
 )
 HOW_GAINS = (
     "Searched by a factor on the file's value, within the range in brackets; a list as a whole unless [i] stands."
