@@ -184,6 +184,7 @@ def test_a_point_mass_weighs_as_a_payload_does() -> None:
 # What comes out ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_the_measured_plant_is_read_by_comparisons_sweeps_and_the_condition(tmp_path: Path, capsys) -> None:
     found = found_of("ur5")
     path = tmp_path / "measured.toml"

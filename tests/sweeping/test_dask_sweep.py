@@ -52,6 +52,7 @@ def test_a_cluster_that_loses_a_worker_in_mid_run_gives_the_bytes_of_one_process
     assert contents(tmp_path / "loky") == here
 
 
+@pytest.mark.long
 def test_a_lost_scheduler_is_one_message_and_the_sweep_goes_on_elsewhere(here, tmp_path, capfd):
     with dask_cluster(tmp_path, 1) as cluster:
         told = []
