@@ -88,6 +88,7 @@ if TYPE_CHECKING:
     from asmc_pin.experiment import Experiment as Experiment
     from asmc_pin.experiment import experiment_names as experiment_names
     from asmc_pin.experiment import load_experiment as load_experiment
+    from asmc_pin.experiment.measured_values import measured_ranges as measured_ranges
     from asmc_pin.experiment.variation.axes import Variation as Variation
     from asmc_pin.experiment.variation.axes import VariedKey as VariedKey
     from asmc_pin.experiment.variation.draws import Distribution as Distribution
@@ -98,6 +99,7 @@ if TYPE_CHECKING:
     from asmc_pin.identification.identifying import identify as identify
     from asmc_pin.identification.mbar_along_log import MbarAlongLog as MbarAlongLog
     from asmc_pin.identification.mbar_along_log import mbar_on_log as mbar_on_log
+    from asmc_pin.identification.plant_tables import plant_tables as plant_tables
     from asmc_pin.identification.suspects import Suspicion as Suspicion
     from asmc_pin.identification.torque_model import TorqueModel as TorqueModel
     from asmc_pin.identification.weighted_fit import Fit as Fit

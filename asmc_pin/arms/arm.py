@@ -151,6 +151,12 @@ class Arm(Shown):
         return len(self.joint_names)
 
     @property
+    def source_name(self) -> str:
+        """The name that it was asked for by, or the path of its file: how an experiment names it."""
+        entry = self.made_of.entry
+        return entry.name if entry is not None else str(self.source)
+
+    @property
     def returns(self) -> BoolArray:
         """Whether the arm is as it was after a whole turn of a joint, what follows it included, shape (nv,)."""
         coupling, whole = self.tree.coupling, ~self.tree.prismatic

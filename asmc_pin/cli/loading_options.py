@@ -286,6 +286,10 @@ def open_domain(source: str, loading: LoadingOptions) -> tuple[Arm, dict[str, An
     from asmc_pin.arms import load_arm
 
     arm = load_arm(source, **single)
+    if loading.plant is not None:
+        from asmc_pin.experiment.measured_values import check_measured_arm, read_measured
+
+        check_measured_arm(read_measured(Path(loading.plant)), arm.source_name, Path(loading.plant).name)
     for proviso in arm.provisos:
         if not proviso.headline:
             note(f"{proviso.kind}: {proviso.text}")

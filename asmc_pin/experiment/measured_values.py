@@ -73,6 +73,23 @@ def with_measured(data: Mapping[str, Any], measured: Mapping[str, Any]) -> dict[
     return {**data, **{key: _laid({"arm": own}.get(key, data.get(key, {})), measured[key]) for key in measured}}
 
 
+def check_measured_arm(measured: Mapping[str, Any], source: str, name: str) -> None:
+    """Refuse a plant that was measured on another arm.
+
+    Args:
+        measured: Of `read_measured`.
+        source: Of the arm that is asked about, `Arm.source_name`.
+        name: Of the file.
+
+    Raises:
+        ExperimentError: It was.
+    """
+    asked = measured.get("arm", {}).get("source", source)
+    same = asked == source or (Path(str(asked)).is_file() and Path(str(asked)).resolve() == Path(source).resolve())
+    if not same:
+        raise ExperimentError("arm.source", f"{name} was measured on {asked!r}, and the arm is {source!r}")
+
+
 def measured_ranges(arm: Mapping[str, Any]) -> dict[str, Any]:
     """Payload and armature of a measured ``[arm]`` as options of the condition's commands: intervals as ranges."""
     found: dict[str, Any] = {}

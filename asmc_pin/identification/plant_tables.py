@@ -25,7 +25,7 @@ def plant_tables(found: Identification) -> dict[str, Any]:
         Tables by name, as an experiment has them; values as ``{ low, value, high }``.
     """
     names = found.arm.joint_names
-    table: dict[str, Any] = {"source": _source(found)}
+    table: dict[str, Any] = {"source": found.arm.source_name}
     load = _payload(found)
     if load is not None:
         table["payload"] = load
@@ -76,11 +76,6 @@ def _toml(value: Any, indent: str = "    ") -> str:
     if isinstance(value, str):
         return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
     return repr(float(f"{value:.6g}"))
-
-
-def _source(found: Identification) -> str:
-    entry = found.arm.made_of.entry
-    return entry.name if entry is not None else str(found.arm.source)
 
 
 def _payload(found: Identification) -> dict[str, Any] | None:

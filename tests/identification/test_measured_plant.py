@@ -48,6 +48,15 @@ def test_payload_and_armature_of_a_measured_plant_are_ranges(words: tuple[str, .
     assert about["payload"]["mass"] == [0.4, 0.6]
 
 
+def test_a_plant_that_was_measured_on_another_arm_is_refused(measured: str, capsys) -> None:
+    path = Path(measured)
+    path.write_text(path.read_text().replace('"two_link"', '"ur5"'))
+    with pytest.raises(SystemExit) as refused:
+        main(["verify", "two_link", "--mbar", "0.1", "--plant", measured])
+    assert refused.value.code == 2
+    assert "measured.toml was measured on 'ur5', and the arm is 'two_link'" in capsys.readouterr().err
+
+
 def test_an_experiment_takes_the_values_and_draws_within_the_intervals(measured: str, tmp_path: Path) -> None:
     path = tmp_path / "two.toml"
     path.write_text(

@@ -31,6 +31,7 @@ int main()
   short_it_init(short_it_parameters_exported(), &alone, &sample);
   short_it_real tau[SHORT_IT_NV];
   int unequal = 0, errors = 0;
+  double largest = 0.0;
   for (int k = 0; k < 200; ++k) {
     const double dt = k < 100 ? SHORT_IT_PERIOD : 1.0;  // later the loop is far too slow: a fault
     for (std::size_t i = 0; i < SHORT_IT_NV; ++i) {
@@ -46,10 +47,12 @@ int main()
     for (std::size_t i = 0; i < SHORT_IT_NV; ++i) {
       const double given = controller.commands()[i].value;
       unequal += given < tau[i] || given > tau[i];
+      largest = std::fmax(largest, std::fabs(given - tau[i]));
       controller.states()[2 * SHORT_IT_NV + i].value = given;
       sample.tau[i] = tau[i];
     }
   }
+  std::printf("largest %.17g\n", largest);
   std::printf("unequal %d\nerrors %d\n", unequal, errors);
   return 0;
 }
