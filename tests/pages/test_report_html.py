@@ -24,8 +24,8 @@ def result() -> Result:
     return awkward_result()
 
 
-SCRIPTS = 10
-"""Data of the replay and of the curves, licences, Meshcat, scene, player, Bokeh and its API, curves, report."""
+SCRIPTS = 12
+"""Data of the replay and of the curves, licences, Meshcat, the replay's own four, Bokeh and its API, curves, report."""
 
 
 class Text(HTMLParser):
