@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import Browser, Page
+from browser import Browser, Page, shared_browser
 from viewer_cases import HOSTILE, awkward_result
 
 from asmc_pin.errors import ResultError
@@ -156,9 +156,8 @@ def test_a_report_that_cannot_be_written_is_told(result: Result, tmp_path: Path)
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with Browser() as browser:
-        yield browser
+def browser() -> Browser:
+    return shared_browser()
 
 
 @pytest.fixture(scope="module", params=[600, 1280])

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import Browser, Page
+from browser import TICK, Browser, Page, shared_browser
 from viewer_cases import AWKWARD, HOSTILE, awkward_result, swing
 
 from asmc_pin.arms import load_arm
@@ -18,14 +18,12 @@ from asmc_pin.experiment import Experiment
 from asmc_pin.viewer import PlayedMotion, describe, draw, replay_element, replay_page
 from asmc_pin.viewer.time_marks import time_marks
 
-TICK = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 STAGE = "replays[0].stage"
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with Browser() as browser:
-        yield browser
+def browser() -> Browser:
+    return shared_browser()
 
 
 @pytest.fixture(scope="module")
