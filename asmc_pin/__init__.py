@@ -99,7 +99,7 @@ if TYPE_CHECKING:
     from asmc_pin.identification.identifying import identify as identify
     from asmc_pin.identification.mbar_along_log import MbarAlongLog as MbarAlongLog
     from asmc_pin.identification.mbar_along_log import mbar_on_log as mbar_on_log
-    from asmc_pin.identification.plant_tables import plant_tables as plant_tables
+    from asmc_pin.identification.plant_file import plant_tables as plant_tables
     from asmc_pin.identification.suspects import Suspicion as Suspicion
     from asmc_pin.identification.torque_model import TorqueModel as TorqueModel
     from asmc_pin.identification.weighted_fit import Fit as Fit

@@ -6,7 +6,7 @@ own motion. May import what makes an experiment and runs it.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -20,7 +20,7 @@ from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment import load_experiment
 from asmc_pin.identification.identification_report import Identification
 from asmc_pin.identification.mbar_along_log import log_at_ticks
-from asmc_pin.identification.plant_tables import plant_tables
+from asmc_pin.identification.plant_file import plant_tables
 from asmc_pin.logs.resampling import low_passed
 from asmc_pin.references.feasibility import check_reference
 from asmc_pin.references.reference import as_times, held_outside
@@ -102,6 +102,11 @@ class LawOnLog(Shown):
             f"it followed the log's angles below {self.band:g} Hz, a spline of degree five through them, on the arm "
             "and friction as measured, with the experiment's drives and sensors; torques are compared below "
             f"{self.band:g} Hz",
+            *(
+                ["the log's torque is that of the links' side: what the experiment's rotors take is added to it"]
+                if self.found.log.torque_side == "link"
+                else []
+            ),
             *(f"the log's motion asks for more than there is: {line}" for line in self.warnings),
         ]
 
@@ -160,7 +165,6 @@ def law_on_log(found: Identification, experiment: str, label: str) -> LawOnLog:
     # What the log was identified with, and not what the experiment's arm carries, where no payload came out.
     own = found.arm.payload
     tables["arm"].setdefault("payload", {"mass": 0.0} if own is None else asdict(own))
-    tables["arm"].setdefault("armature", found.arm.armature.tolist())
     loaded = load_experiment(experiment, plant=tables)
     laws = loaded.build_controllers()
     if label not in laws:
@@ -184,6 +188,11 @@ def law_on_log(found: Identification, experiment: str, label: str) -> LawOnLog:
     )
     run = rollout(plant, laws[label], reference, reference.duration, period=loaded.period)
     measured = log_at_ticks(found, loaded.period)
+    if found.log.torque_side == "link":
+        assert measured.torque is not None
+        assert measured.acceleration is not None
+        rotors = (plant.arm.armature - found.arm.armature) * measured.acceleration
+        measured = replace(measured, torque=measured.torque + rotors)
     ticks = min(len(measured.time), len(run.time))
     measured = _first(measured, ticks)
     logged = np.column_stack([np.interp(measured.time - start, motion.time - start, q) for q in motion.raw_q.T])

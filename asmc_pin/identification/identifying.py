@@ -66,8 +66,10 @@ def identify(
     if not isinstance(log, JointLog):
         log = read_log(log, arm.joint_names, options, kinds=arm.joint_kinds)
     motion = filter_log(log, cutoff_hz)
-    suspicions = suspect(arm, motion, log)
-    model = torque_model(arm, motion, _rest(motion))
+    # A sensor on the links' side does not feel the rotors that the arm was loaded with.
+    felt = arm if log.torque_side == "motor" else arm.replace(armature=[0.0] * arm.nv)
+    suspicions = suspect(felt, motion, log)
+    model = torque_model(felt, motion, _rest(motion))
     if suspicions:
         return contradicted(arm, log, model, suspicions)
     train, held_out = _split(model)

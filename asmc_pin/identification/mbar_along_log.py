@@ -117,6 +117,12 @@ def mbar_on_log(found: Identification, mbar: Any, *, period: float | None = None
     if not 0.0 < period < 0.1 * (time[-1] - time[0]):
         raise ParameterError("period", f"{period!r} s given; expected more than 0 and less than a tenth of the log")
     arm, left_out = measured_arm(found)
+    if found.log.torque_side == "link":
+        rotors = ", ".join(f"{each:g}" for each in found.arm.armature)
+        left_out.append(
+            f"sensors on the links' side do not feel rotors: M(q) and the torque have those that the arm was loaded "
+            f"with, ({rotors}) kg·m²"
+        )
     recording = log_at_ticks(found, period)
     report = verify(arm, values, along=recording, period=period)
     return MbarAlongLog(found, report, recording, period, found.model.motion.band, tuple(left_out))
@@ -125,7 +131,8 @@ def mbar_on_log(found: Identification, mbar: Any, *, period: float | None = None
 def log_at_ticks(found: Identification, period: float) -> Recording:
     """The log's motion and the torque at the joints, at multiples of a period and within the band that is fitted.
 
-    The torque is what was logged, at the time at which it acts, less its offset and over its torque constant.
+    The torque is what was logged, at the time at which it acts, less its offset and over its torque constant; of a
+    sensor on the links' side with the rotors that the arm was loaded with added, which it does not feel.
     """
     assert found.fit is not None
     motion, model = found.model.motion, found.model
@@ -139,8 +146,11 @@ def log_at_ticks(found: Identification, period: float) -> Recording:
 
     logged = motion.torque(np.clip(time - delay, motion.time[0], motion.time[-1]))
     torque = (logged - of["torque_offset"]) / of["torque_constant"]
+    acceleration = banded(motion.a)
+    if found.log.torque_side == "link":
+        torque = torque + found.arm.armature * acceleration
     return Recording(
-        found.log.name, time, banded(motion.q), banded(motion.v), np.asarray(torque), acceleration=banded(motion.a)
+        found.log.name, time, banded(motion.q), banded(motion.v), np.asarray(torque), acceleration=acceleration
     )
 
 

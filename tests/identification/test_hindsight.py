@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from asmc_pin import Identification, JointLog, identify, law_on_log, mbar_on_log
 from asmc_pin.cli import main
 from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.identification.measured_load import measured_arm, measured_load
-from asmc_pin.identification.plant_tables import plant_tables
+from asmc_pin.identification.plant_file import plant_tables
 from asmc_pin.identification.torque_model import point_mass
 from asmc_pin.pages.identified.identification_page import write_identification_page
 
@@ -175,6 +176,31 @@ def test_a_payload_that_was_known_and_the_one_that_the_log_adds_are_one_in_the_m
     np.testing.assert_allclose(
         whole.mass_matrix(q), arm.mass_matrix(q) + point + np.diag(whole.armature - arm.armature)
     )
+
+
+def test_a_sensor_on_the_links_side_gets_the_rotors_that_the_arm_was_loaded_with(experiment: str) -> None:
+    rotors = np.array([0.2, 0.1])
+    arm = asmc_pin.load_arm("two_link", armature=rotors.tolist())
+    linked = identify(arm, replace(logged(), torque_side="link"), fix=("stribeck", "torque_constant", "torque_offset"))
+    assert not linked.suspicions
+    assert linked.parameters["payload.mass"].value == pytest.approx(0.5, rel=0.02)  # no rotor is in this log
+    bare = mbar_on_log(found(), [0.06, 0.025], period=PERIOD)
+    whole = mbar_on_log(linked, [0.06, 0.025], period=PERIOD)
+    assert whole.recording.torque is not None
+    assert bare.recording.torque is not None
+    added = whole.recording.torque - bare.recording.torque
+    inside = slice(400, -400)
+    wanted = (rotors * whole.recording.acceleration)[inside]
+    assert np.sqrt(np.mean((added[inside] - wanted) ** 2)) < 0.05 * np.std(wanted)
+    assert any("do not feel rotors" in line for line in whole.lines())
+    path = Path(experiment)
+    path.write_text(
+        path.read_text().replace('arm = "two_link"', 'arm = { source = "two_link", armature = [0.2, 0.1] }')
+    )
+    ran = law_on_log(linked, experiment, "Model")
+    assert ran.measured.torque is not None
+    gap = np.sqrt(np.mean((ran.torque - ran.measured.torque)[500:-500] ** 2, axis=0))
+    assert np.all(gap < 0.03 * np.std(ran.measured.torque[500:-500], axis=0))
 
 
 def test_nothing_is_said_of_an_mbar_where_the_log_contradicts_its_urdf() -> None:

@@ -18,7 +18,7 @@ from asmc_pin import JointLog, LogOptions, identify
 from asmc_pin.cli import main
 from asmc_pin.errors import ParameterError
 from asmc_pin.identification.filtered_motion import filter_log
-from asmc_pin.identification.plant_tables import plant_tables, plant_text
+from asmc_pin.identification.plant_file import plant_tables, plant_text
 from asmc_pin.identification.suspects import suspect
 from asmc_pin.identification.torque_model import point_mass, torque_model
 

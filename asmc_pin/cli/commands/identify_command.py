@@ -136,7 +136,7 @@ def identify(
         note(f"page: {report}")
     if out is not None and not found.suspicions:
         from asmc_pin.disk.files import write_whole
-        from asmc_pin.identification.plant_tables import plant_text
+        from asmc_pin.identification.plant_file import plant_text
 
         write_whole(out, plant_text(found))
         note(f"measured plant: {out}")
