@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from arm_urdf import write
-from browser import Browser, Page
+from browser import Page, shared_browser
 from coupled_urdf import gripper
 from viewer_cases import bent_arm
 
@@ -40,7 +40,7 @@ ARMS: dict[str, Callable[[Path], Arm]] = {
 
 @pytest.fixture(scope="module")
 def page() -> Iterator[Page]:
-    with Browser() as browser, browser.page() as page:
+    with shared_browser().page() as page:
         for name in SCRIPTS:
             page.run(f"{script(name)}; null")
         yield page

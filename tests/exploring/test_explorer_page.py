@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import Browser, Page
+from browser import Browser, Page, shared_browser
 
 from asmc_pin import certify, explore, lemma1_norm, load_arm, verify
 from asmc_pin.arms import Arm
@@ -33,9 +33,8 @@ GAINS = checked_gains(5.0, 5.0, 0.001)
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with Browser() as browser:
-        yield browser
+def browser() -> Browser:
+    return shared_browser()
 
 
 @pytest.fixture(scope="module")
@@ -63,10 +62,6 @@ def page(opened: Page) -> Page:
     return opened
 
 
-def until(page: Page, condition: str) -> None:
-    page.run(f"new Promise((done) => {{ const look = () => ({condition}) ? done() : setTimeout(look, 20); look(); }})")
-
-
 def text(page: Page, selector: str) -> str:
     return page.run(f"document.querySelector({json.dumps(selector)}).textContent")
 
@@ -76,7 +71,7 @@ def norm(page: Page) -> float:
 
 
 def drawn_map(page: Page) -> None:
-    until(page, "!explorer.map.busy && !document.querySelector('.map.is-stale')")
+    page.until("!explorer.map.busy && !document.querySelector('.map.is-stale')")
 
 
 def test_it_opens_from_a_file_without_a_word_or_a_request(page: Page, address: str) -> None:
@@ -114,7 +109,7 @@ def test_joints_are_moved_with_the_keyboard_alone_and_are_named(page: Page) -> N
         " e.getAttribute('aria-label') || e.textContent.trim())).length"
     )
     assert unnamed == 0
-    until(page, "document.querySelector('.told').textContent.startsWith('Norm')")
+    page.until("document.querySelector('.told').textContent.startsWith('Norm')")
 
 
 def test_a_link_is_dragged_and_the_joint_above_it_follows(page: Page) -> None:
@@ -201,7 +196,7 @@ def test_another_mbar_changes_the_figures_at_once_and_hides_the_boxes(page: Page
     page.run("document.querySelector('.mbar-back').click()")
     page.run(f"{set_field}(['mbar-scale', '0.25'])")
     page.run("document.querySelector('.search').click()")
-    until(page, "document.querySelector('.mbar-note').textContent.startsWith('Largest')")
+    page.until("document.querySelector('.mbar-note').textContent.startsWith('Largest')")
     found = verify(arm, 0.25 * np.array(MBAR), samples=2048).lower
     assert norm(page) == pytest.approx(found, rel=1e-4), "the search in the page comes to what Python's does"
     assert norm(page) <= found * (1.0 + 1e-9)
@@ -243,7 +238,7 @@ def test_nothing_is_cut_off_on_any_screen_light_or_dark(
         )
         assert cut == []
         assert page.run("document.querySelector('.norm').getBoundingClientRect().bottom") < height
-        corner = page.picture()[height - 4, 2].mean()
+        corner = page.pixels()[height - 4, 2].mean()
         assert (corner < 60.0) == dark
 
 
@@ -270,7 +265,7 @@ def test_boxes_of_a_certificate_are_its_own_and_only_of_multiples_that_it_proves
         drawn_map(page)
         assert "not shown" in text(page, ".cells-words"), "the proof is of a smaller M̄"
         page.run(f"explorer.scale = {proof.scale_proven!r}, explorer.newMbar()")
-        until(page, "explorer.map.cells.length > 0")
+        page.until("explorer.map.cells.length > 0")
         met = page.run("explorer.map.cells")
         record = base64.b64decode(page.run("explorer.data.cells.records[0]"))
     box = resolve_box(arm)
@@ -315,10 +310,10 @@ def test_a_served_page_says_whether_links_collide_and_an_offline_one_asks_nobody
     assert text(page, ".collisions") == ""
     with browser.page() as live:
         live.open(f"http://127.0.0.1:{served}/")
-        until(live, "document.querySelector('.collisions').textContent")
+        live.until("document.querySelector('.collisions').textContent")
         assert text(live, ".collisions").startswith("No links collide here.")
         live.run(f"explorer.go({json.dumps(FOLDED)})")
-        until(live, "document.querySelector('.collisions').textContent.startsWith('Links collide here: ')")
+        live.until("document.querySelector('.collisions').textContent.startsWith('Links collide here: ')")
         assert "upper_arm_link" in text(live, ".collisions")
         assert live.messages == []
 
