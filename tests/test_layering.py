@@ -88,6 +88,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "condition.hypotheses",
         "plant",
         "engine",
+        "metrics",
         "experiment",
     },
     "pages": {
