@@ -22,7 +22,7 @@ from asmc_pin.pages.summary_tables import overview
 from asmc_pin.pages.tables.text_table import Table
 from asmc_pin.pages.theorem_tables import theorem_lines
 from asmc_pin.plant import moving_arms
-from asmc_pin.references import SolvedPath
+from asmc_pin.references import SolvedPath, reference_words
 from asmc_pin.results.ensemble_summary import failures, figures_by_trial, paired
 from asmc_pin.statistics.order_statistics import spread_of
 from asmc_pin.study.comparison_notes import Lemma1Range, lemma1_lines, phase_lines
@@ -70,6 +70,7 @@ class Comparison(Shown):
         """What is worth knowing and is no warning."""
         reference = self.experiment.build_reference()
         solved = [str(reference)] if isinstance(reference, SolvedPath) else []
+        solved += [f"reference: {line}" for line in reference_words(reference)]
         refined = [] if self.refinement is None else self.refinement.notes()
         moving = moving_arms(self.experiment.build_plant(), self.experiment.period, self.experiment.duration)
         told = phase_lines(moving) + lemma1_lines(self.lemma1)
