@@ -14,6 +14,7 @@ from scipy.interpolate import BSpline
 
 from asmc_pin._typing import Array
 from asmc_pin.errors import ParameterError
+from asmc_pin.logs.bag_table import is_bag
 from asmc_pin.logs.joint_log import read_log
 from asmc_pin.logs.log_columns import form_by_name
 from asmc_pin.logs.log_options import LogOptions
@@ -52,21 +53,33 @@ def logged_rows(path: Path, joints: Sequence[str] | None) -> LoggedRows:
     Raises:
         ParameterError: it cannot be read, or has no such columns.
     """
+    options = {"v": "-", "tau": "-"}
     try:
-        columns = [str(name) for name in read_table(path, lambda message: ParameterError("path", message)).columns]
-        given = printable(", ".join(columns))
-        if joints is None:
-            joints = list(itertools.takewhile(lambda name: name in columns, (f"q{i}" for i in itertools.count(1))))
-            if not joints:
-                raise ParameterError("path", f"{path.name} has no column q1: give its joints = […]; it has {given}")
-        form = form_by_name(columns, "q", joints)
-        if form is None:
-            asked = printable(", ".join(joints))
-            raise ParameterError("path", f"{path.name} has no columns of {asked}, as q_NAME or NAME; it has {given}")
-        log = read_log(path, joints, LogOptions(columns={"q": form, "v": "-", "tau": "-"}))
+        if is_bag(path):
+            if joints is None:
+                raise ParameterError("joints", f"are missing; {path.name} is a bag, which knows joints by their names")
+        else:
+            joints, options["q"] = _columns(path, joints)
+        log = read_log(path, joints, LogOptions(columns=options))
     except ParameterError as error:
-        raise ParameterError("path", str(error).removeprefix(f"{error.parameter}: ")) from error
+        parameter = error.parameter if error.parameter == "joints" else "path"
+        raise ParameterError(parameter, str(error).removeprefix(f"{error.parameter}: ")) from error
     return LoggedRows(tuple(joints), log.time, log.q, log.found)
+
+
+def _columns(path: Path, joints: Sequence[str] | None) -> tuple[Sequence[str], str]:
+    """The joints of a table and the form of their columns."""
+    columns = [str(name) for name in read_table(path, lambda message: ParameterError("path", message)).columns]
+    given = printable(", ".join(columns))
+    if joints is None:
+        joints = list(itertools.takewhile(lambda name: name in columns, (f"q{i}" for i in itertools.count(1))))
+        if not joints:
+            raise ParameterError("path", f"{path.name} has no column q1: give its joints = […]; it has {given}")
+    form = form_by_name(columns, "q", joints)
+    if form is None:
+        asked = printable(", ".join(joints))
+        raise ParameterError("path", f"{path.name} has no columns of {asked}, as q_NAME or NAME; it has {given}")
+    return joints, form
 
 
 def smallest_steps(points: Array) -> Array:

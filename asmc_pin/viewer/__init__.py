@@ -13,11 +13,13 @@ from asmc_pin.viewer.local_server import make_server, serve
 from asmc_pin.viewer.played_motion import PlayedMotion, describe
 from asmc_pin.viewer.player_page import player_scripts, replay_element, replay_page, static
 from asmc_pin.viewer.result_replay import replay_fragment, replay_html, write_replay
+from asmc_pin.viewer.time_marks import TimeMark
 
 __all__ = [
     "DrawnArm",
     "Mark",
     "PlayedMotion",
+    "TimeMark",
     "ball",
     "controller_colors",
     "describe",

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from asmc_pin._typing import Array
+from asmc_pin._typing import Array, IntArray
 from asmc_pin.errors import ParameterError
 from asmc_pin.viewer.drawing.drawn_bodies import DrawnArm
 from asmc_pin.viewer.meshcat_commands import mesh_command
 from asmc_pin.viewer.stage import stage
+from asmc_pin.viewer.time_marks import TimeMark
 
 FRAMES = 6000
 """Frames at most: 100 s at 60 per second; longer motions get fewer per second."""
@@ -30,6 +31,7 @@ class PlayedMotion:
         end: Time at which the motion broke off, s; None where it did not.
         shades: Colour of the arm and of its path over time, red, green and blue from 0 to 1, shape (T, 3); None leaves
             the arm its own.
+        torque: Torques over their limits, ±1 at the limit, shape (T, nv): arcs at the joints show them; None for none.
         reading: A figure over time to stand under the arm, with its name; values of shape (T,).
     """
 
@@ -38,6 +40,7 @@ class PlayedMotion:
     q: Array
     end: float | None = None
     shades: Array | None = None
+    torque: Array | None = None
     reading: tuple[str, Array] | None = None
 
 
@@ -48,6 +51,7 @@ def describe(
     motions: Sequence[PlayedMotion],
     reference: Array | None,
     fps: float = 60.0,
+    marks: Sequence[TimeMark] = (),
 ) -> dict[str, Any]:
     """What the player needs, ready for JSON: the arm's bodies, Meshcat's packed commands, and the motions.
 
@@ -58,6 +62,7 @@ def describe(
         motions: At least one.
         reference: Where the joints should be, shape (T, nv); None for no ghost.
         fps: Frames per second kept, at most.
+        marks: What happens on the way, in the order of time.
     """
     if not motions:
         raise ParameterError("motions", "none given; at least one is needed")
@@ -95,6 +100,7 @@ def describe(
         ],
         "joints": [{"name": name, "prismatic": slides} for name, slides in zip(joint_names, arm.slides, strict=True)],
         "duration": duration,
+        "marks": [asdict(mark) for mark in marks],
         "motions": [
             {
                 "label": motion.label,
@@ -132,10 +138,25 @@ def _shown(motion: PlayedMotion, time: Array, grid: Array) -> dict[str, Any]:
     shown: dict[str, Any] = {}
     if motion.shades is not None:
         shown["shades"] = _packed(_resample(time, np.asarray(motion.shades, dtype=np.float64), grid))
+    if motion.torque is not None:
+        shown["torque"] = base64.b64encode(_largest(time, motion.torque, grid).tobytes()).decode()
     if motion.reading is not None:
         name, values = motion.reading
         shown["reading"] = {"name": name, "values": _packed(np.interp(grid, time, values))}
     return shown
+
+
+def _largest(time: Array, torque: Array, grid: Array) -> IntArray:
+    """The largest torque of each frame's ticks, in 127ths of the limit; 127 at the limit alone. Shape (frames, nv).
+
+    A drive that stands at its limit for a tick is not lost between two frames.
+    """
+    shares = np.nan_to_num(torque)
+    begins = np.searchsorted(time, grid - 0.5 * (grid[1] - grid[0] if len(grid) > 1 else 0.0)).clip(0, len(time) - 1)
+    large, small = np.maximum.reduceat(shares, begins, axis=0), np.minimum.reduceat(shares, begins, axis=0)
+    of_frame = np.where(large >= -small, large, small)
+    full = np.abs(of_frame) >= 1.0 - 1e-9
+    return np.where(full, 127 * np.sign(of_frame), np.clip(np.trunc(127.0 * of_frame), -126, 126)).astype(np.int8)
 
 
 def _packed(values: Array) -> str:

@@ -17,6 +17,9 @@ POLICY = (
 )
 """Content security policy of every page made here: a browser fetches nothing, whatever a result's labels say."""
 
+_SCRIPTS = ("arm_view.js", "scene.js", "timeline.js", "player.js")
+"""The player's own, each needing those before it."""
+
 
 def replay_page(title: str, subtitle: str, replay: str) -> str:
     """A page of its own around one replay.
@@ -60,10 +63,12 @@ def player_scripts() -> str:
         (viewer / name).read_text(encoding="utf-8") for name in ("LICENSE", "dist/main.min.js.LICENSE.txt")
     )
     bundle = (viewer / "dist" / "main.min.js").read_text(encoding="utf-8")
-    return (
-        f'<script type="text/plain" id="meshcat-licences">\n{inert(licences)}\n</script>\n'
-        f"<script>{inert(bundle)}</script>\n<script>{inert(static('scene.js'))}</script>\n"
-        f"<script>{inert(static('player.js'))}</script>"
+    scripts = [bundle, *map(static, _SCRIPTS)]
+    return "\n".join(
+        [
+            f'<script type="text/plain" id="meshcat-licences">\n{inert(licences)}\n</script>',
+            *(f"<script>{inert(script)}</script>" for script in scripts),
+        ]
     )
 
 

@@ -6,12 +6,16 @@ import hashlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from asmc_pin._typing import Array
 from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import AsmcPinError, ResultError
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.viewer.drawing.drawn_bodies import TRIANGLES, draw
 from asmc_pin.viewer.played_motion import PlayedMotion, describe
 from asmc_pin.viewer.player_page import replay_element, replay_page
+from asmc_pin.viewer.time_marks import time_marks
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -66,17 +70,21 @@ def replay_fragment(result: Result, *, trial: int = 0, embedded: bool = True) ->
     run = dataset.isel(trial=trial)
     labels = [str(label) for label in run.controller.to_numpy()]
     colours = controller_colors(labels)
+    torque = _over_limits(result, trial)
     motions = [
         PlayedMotion(
             label=label,
             colour=colours[label],
             q=run.q.isel(controller=k).transpose("time", "joint").to_numpy(),
+            torque=torque[k],
             end=None if str(run.status.to_numpy()[k]) == "ok" else float(run.end_time.to_numpy()[k]),
         )
         for k, label in enumerate(labels)
     ]
     reference = run.q_ref.transpose("time", "joint").to_numpy()
-    description: dict[str, Any] = describe(drawn, arm.joint_names, run.time.to_numpy(), motions, reference)
+    description: dict[str, Any] = describe(
+        drawn, arm.joint_names, run.time.to_numpy(), motions, reference, marks=time_marks(result, trial)
+    )
     return replay_element(description, tuple(notes), embedded=embedded)
 
 
@@ -92,6 +100,17 @@ def write_replay(result: Result, path: str | Path, *, trial: int = 0) -> None:
         ResultError: As `replay_html`; or the file cannot be written.
     """
     write_whole(path, replay_html(result, trial=trial))
+
+
+def _over_limits(result: Result, trial: int) -> Array:
+    """Torques over the joints' limits, where there is none over the largest of the run; (controllers, T, nv)."""
+    torque = result.dataset.torque.isel(trial=trial).transpose("controller", "time", "joint").to_numpy().copy()
+    torque[:, -1] = 0.0  # that of a period which the run does not have any more
+    limits = np.asarray(result.experiment.build_plant().effort_limit, dtype=np.float64)
+    limit = limits[min(trial, len(limits) - 1)] if limits.ndim == 2 else limits
+    largest = np.max(np.abs(torque), axis=(0, 1), initial=0.0, where=np.isfinite(torque))
+    # Without a limit nothing may look as if it stood at one.
+    return np.asarray(torque / np.where(np.isfinite(limit), limit, 1.001 * np.maximum(largest, 1e-12)))
 
 
 def _arm(result: Result) -> Arm:

@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import base64
 import json
 import re
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from browser import Browser, Page
+from browser import TICK, Browser, Page, shared_browser
 from viewer_cases import HOSTILE, awkward_result
 
 READY = "Promise.all(signalFigures.map((figure) => figure.ready))"
-TICK = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 LEGEND = ".legend button"
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with Browser() as browser:
-        yield browser
+def browser() -> Browser:
+    return shared_browser()
 
 
 @pytest.fixture(scope="module")
@@ -34,10 +31,6 @@ def page(browser: Browser, address: str) -> Iterator[Page]:
         page.open(f"{address}#t=0.25")
         page.run(READY)
         yield page
-
-
-def until(page: Page, condition: str) -> None:
-    page.run(f"new Promise((done) => {{ const look = () => ({condition}) ? done() : setTimeout(look, 20); look(); }})")
 
 
 def curves(page: Page) -> list[list[list[bool]]]:
@@ -164,7 +157,7 @@ def test_paper_gets_all_of_it_open_with_a_still_of_the_scene(browser: Browser, a
         assert page.run("getComputedStyle(document.querySelector('.replay-stage')).display") == "none"
         page.run("dispatchEvent(new Event('afterprint'))")
         assert not page.run("document.querySelector('details').open")
-        pdf = base64.b64decode(page.call("Page.printToPDF")["data"])
+        pdf = page.pdf()
         assert len(re.findall(rb"/Type ?/Page\b(?!s)", pdf)) > 3
 
 
@@ -198,7 +191,7 @@ def test_on_a_phone_it_fits_says_where_there_is_more_and_a_swipe_over_the_scene_
             for step in range(1, 11):
                 page.call("Input.dispatchTouchEvent", type="touchMove", touchPoints=[{"x": x, "y": y - 15 * step}])
             page.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
-            until(page, f"scrollY > {before} + 50")
+            page.until(f"scrollY > {before} + 50")
 
 
 def test_a_dark_page_has_dark_figures(browser: Browser, address: str) -> None:
@@ -207,7 +200,7 @@ def test_a_dark_page_has_dark_figures(browser: Browser, address: str) -> None:
         page.run(READY)
         page.run("document.querySelector('.signals-grid').scrollIntoView()")
         page.run(TICK)
-        picture = page.picture().astype(int)
+        picture = page.pixels().astype(int)
         assert np.median(picture) < 60
         assert (picture.max(axis=2) > 140).mean() > 0.001, "curves and words show on it"
         assert page.messages == []

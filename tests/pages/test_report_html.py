@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import Browser, Page
+from browser import Browser, Page, shared_browser
 from viewer_cases import HOSTILE, awkward_result
 
 from asmc_pin.errors import ResultError
@@ -24,8 +24,8 @@ def result() -> Result:
     return awkward_result()
 
 
-SCRIPTS = 10
-"""Data of the replay and of the curves, licences, Meshcat, scene, player, Bokeh and its API, curves, report."""
+SCRIPTS = 12
+"""Data of the replay and of the curves, licences, Meshcat, the replay's own four, Bokeh and its API, curves, report."""
 
 
 class Text(HTMLParser):
@@ -156,9 +156,8 @@ def test_a_report_that_cannot_be_written_is_told(result: Result, tmp_path: Path)
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with Browser() as browser:
-        yield browser
+def browser() -> Browser:
+    return shared_browser()
 
 
 @pytest.fixture(scope="module", params=[600, 1280])

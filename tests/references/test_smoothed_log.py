@@ -170,3 +170,11 @@ def test_the_log_of_a_real_panda_is_a_reference_and_what_breaks_its_limits_is_na
     assert "comes of the rows" in told
     proposed = np.array([float(x) for x in told.split("resolution = [")[1].rstrip("]").split(",")])
     assert not [line for line in check_reference(replace(log, resolution=proposed), arm, 20.0) if "torque" in line]
+
+
+def test_a_bag_needs_the_joints_names(tmp_path: Path) -> None:
+    path = tmp_path / "robot.mcap"
+    path.write_bytes(b"\x89MCAP0\r\n" + bytes(20))
+    with pytest.raises(ParameterError, match="which knows joints by their names") as caught:
+        CsvPath(path=path, smoothing="quantisation")
+    assert caught.value.parameter == "joints"

@@ -15,7 +15,7 @@ from asmc_pin import compare
 from asmc_pin.arms import load_arm
 from asmc_pin.experiment import Experiment
 from asmc_pin.results.result_folder import Result, load_result
-from asmc_pin.viewer import PlayedMotion, describe, draw
+from asmc_pin.viewer import PlayedMotion, TimeMark, describe, draw
 
 HOSTILE = '</script><script>alert(1)</script> & "Proposed"'
 
@@ -79,5 +79,13 @@ def swing(arm: str = "ur5", *, triangles: int = 4000, duration: float = 2.0) -> 
     reference = swung(arm, time)
     near, far = reference + 0.01 * np.sin(5.0 * time[:, None] + joint), reference + 0.05 * np.sin(time[:, None])
     far[201:] = np.nan
-    motions = [PlayedMotion(HOSTILE, "#0072B2", near), PlayedMotion("Wild", "#CC79A7", far, end=duration / 2)]
-    return describe(draw(loaded, triangles), loaded.joint_names, time, motions, reference)
+    share = np.clip(1.5 * np.sin(np.pi * time / duration)[:, None] * np.cos(np.arange(loaded.nv)), -1.0, 1.0)
+    motions = [
+        PlayedMotion(HOSTILE, "#0072B2", near, torque=share),
+        PlayedMotion("Wild", "#CC79A7", far, end=duration / 2),
+    ]
+    marks = [
+        TimeMark(0.25 * duration, 0.5 * duration, "push", HOSTILE),
+        TimeMark(0.7 * duration, None, "place", "bend"),
+    ]
+    return describe(draw(loaded, triangles), loaded.joint_names, time, motions, reference, marks=marks)

@@ -7,19 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import Browser, Page
+from browser import TICK, Browser, Page, shared_browser
 from viewer_cases import HOSTILE, bent_arm, swing, swung
 
 from asmc_pin.arms import load_arm
 from asmc_pin.viewer import draw, replay_element, replay_page
 
-TICK = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
-
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with Browser() as browser:
-        yield browser
+def browser() -> Browser:
+    return shared_browser()
 
 
 @pytest.fixture(scope="module")
@@ -54,11 +51,7 @@ def stage(page: Page) -> np.ndarray:
         " return [r.x, r.y, r.width, r.height].map(Math.round); })()"
     )
     page.run("document.querySelector('.replay-labels').style.visibility = 'hidden'")
-    return page.picture()[y : y + height, x : x + width].astype(int)
-
-
-def until(page: Page, condition: str) -> None:
-    page.run(f"new Promise((done) => {{ const look = () => ({condition}) ? done() : setTimeout(look, 20); look(); }})")
+    return page.pixels()[y : y + height, x : x + width].astype(int)
 
 
 def seek(page: Page, time: float) -> None:
@@ -67,7 +60,7 @@ def seek(page: Page, time: float) -> None:
 
 def test_the_page_opens_from_a_file_without_a_word_or_a_request(page: Page, ur5: str) -> None:
     page.run("replays[0].play()")
-    until(page, "replays[0].time > 0.2")
+    page.until("replays[0].time > 0.2")
     assert page.messages == []
     assert page.requests == [f"{ur5}#t=0".partition("#")[0]]
 
@@ -111,7 +104,7 @@ def test_labels_are_text_whatever_they_say(page: Page) -> None:
 def test_play_pause_and_time(page: Page) -> None:
     assert page.run("document.querySelector('.replay-clock').textContent") == "0.00 s / 2.00 s"
     page.click(".replay-play")
-    until(page, "replays[0].time > 0.1")
+    page.until("replays[0].time > 0.1")
     page.click(".replay-play")
     time = page.run("replays[0].time")
     page.run(TICK)
@@ -138,7 +131,7 @@ def test_space_plays_and_pauses_and_arrows_step(page: Page) -> None:
 
 def test_playing_ends_at_the_end_and_begins_anew(page: Page) -> None:
     page.run("replays[0].loop.checked = false, replays[0].speed = 4, replays[0].seek(1.9), replays[0].play()")
-    until(page, "!replays[0].playing")
+    page.until("!replays[0].playing")
     assert page.run("replays[0].time") == 2.0
     page.run("replays[0].play()")
     assert page.run("replays[0].time") < 1.0
@@ -204,4 +197,4 @@ def test_a_dark_page_is_dark(browser: Browser, ur5: str) -> None:
     with browser.page(dark=True) as page:
         page.open(f"{ur5}#t=0")
         assert np.median(stage(page)) < 60
-        assert page.picture()[:20].mean() < 60
+        assert page.pixels()[:20].mean() < 60

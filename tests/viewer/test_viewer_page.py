@@ -67,7 +67,7 @@ def described(page: str) -> dict:
 
 def test_labels_and_names_cannot_break_out_of_the_page(result: Result) -> None:
     found = Scripts(replay_html(result))
-    assert [kind for kind, _ in found.scripts] == ["application/json", "text/plain", None, None, None]
+    assert [kind for kind, _ in found.scripts] == ["application/json", "text/plain", *[None] * 5]
     assert Scripts(replay_page("a <b>&amp; title", "", "")).headings == ["a <b>&amp; title"]
     assert described(replay_html(result))["motions"][0]["label"] == HOSTILE
     assert not any("alert(1)" in text for kind, text in found.scripts if kind is None)

@@ -9,10 +9,11 @@ import shutil
 import subprocess
 import tempfile
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from asmc_pin.errors import MissingDependencyError, ParameterError
 
@@ -42,10 +43,15 @@ class HeadlessPage:
         self._socket.send(json.dumps({"id": self._count, "method": method, "params": parameters}))
         while True:
             answer = json.loads(self._socket.recv())
-            if answer.get("id") == self._count:
+            if answer.get("id") != self._count:
+                self.heard(answer)
+            else:
                 if "error" in answer:
                     raise RuntimeError(f"{method}: {answer['error'].get('message', 'refused')}")
                 return dict(answer["result"])
+
+    def heard(self, event: dict[str, Any]) -> None:
+        """What the browser tells unasked; nothing here."""
 
     def run(self, expression: str) -> Any:
         """The value of a JavaScript expression; a promise is waited for.
@@ -55,12 +61,19 @@ class HeadlessPage:
         """
         answer = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
         if "exceptionDetails" in answer:
-            raise RuntimeError(str(answer["exceptionDetails"].get("text", "the page failed")))
+            details = answer["exceptionDetails"]
+            thrown = details.get("exception", {}).get("description", details.get("text", "the page failed"))
+            raise RuntimeError(str(thrown))
         return answer["result"].get("value")
 
-    def open(self, url: str, width: int, height: int) -> None:
-        """Show a page, so large that a picture of it has this many pixels."""
+    def size(self, width: int, height: int, *, dark: bool = False) -> None:
+        """So many pixels, and whether the reader's system is set to dark."""
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+        scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+        self.call("Emulation.setEmulatedMedia", features=[scheme])
+
+    def open(self, url: str) -> None:
+        """Show a page."""
         self.call("Page.navigate", url=url)
         self.run("new Promise((done) => document.readyState === 'complete' ? done() : addEventListener('load', done))")
 
@@ -69,19 +82,48 @@ class HeadlessPage:
         return base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"])
 
 
+_Page = TypeVar("_Page", bound=HeadlessPage)
+
+
+class HeadlessBrowser:
+    """A running browser, which opens pages.
+
+    Attributes:
+        port: Where it is spoken to, on 127.0.0.1.
+        process: The browser's own.
+    """
+
+    def __init__(self, process: subprocess.Popen[bytes], port: int) -> None:
+        self.process, self.port = process, port
+
+    @contextmanager
+    def tab(self, kind: Callable[[Any], _Page]) -> Iterator[_Page]:
+        """A page, closed afterwards; `kind` makes it of its socket."""
+        import websocket
+
+        request = urllib.request.Request(f"http://127.0.0.1:{self.port}/json/new?about:blank", method="PUT")
+        with urllib.request.urlopen(request, timeout=_PATIENCE) as answer:
+            address = json.load(answer)["webSocketDebuggerUrl"]
+        socket = websocket.create_connection(address, timeout=_PATIENCE, max_size=None)
+        try:
+            page = kind(socket)
+            yield page
+            page.call("Page.close")
+        finally:
+            socket.close()
+
+
 @contextmanager
-def headless_page() -> Iterator[HeadlessPage]:
-    """A page in a Chromium of its own with a fresh profile, both gone afterwards.
+def headless_browser() -> Iterator[HeadlessBrowser]:
+    """A Chromium with a fresh profile, both gone afterwards.
 
     Raises:
         ParameterError: This machine has no Chromium.
         MissingDependencyError: websocket-client is not installed.
     """
     program = browser_program()
-    try:
-        import websocket
-    except ImportError:
-        raise MissingDependencyError("websocket-client", "film", "pictures of a replay") from None
+    if find_spec("websocket") is None:
+        raise MissingDependencyError("websocket-client", "film", "pictures of a replay")
     with tempfile.TemporaryDirectory(prefix="asmc-pin-film-", ignore_cleanup_errors=True) as profile:
         # A process that runs as root has no sandbox, as in a container.
         sandbox = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
@@ -91,18 +133,17 @@ def headless_page() -> Iterator[HeadlessPage]:
             stderr=subprocess.DEVNULL,
         )
         try:
-            port = _port(process, Path(profile))
-            request = urllib.request.Request(f"http://127.0.0.1:{port}/json/new?about:blank", method="PUT")
-            with urllib.request.urlopen(request, timeout=_PATIENCE) as answer:
-                address = json.load(answer)["webSocketDebuggerUrl"]
-            socket = websocket.create_connection(address, timeout=_PATIENCE, max_size=None)
-            try:
-                yield HeadlessPage(socket)
-            finally:
-                socket.close()
+            yield HeadlessBrowser(process, _port(process, Path(profile)))
         finally:
             process.terminate()
             process.wait(timeout=30)
+
+
+@contextmanager
+def headless_page() -> Iterator[HeadlessPage]:
+    """One page in a browser of its own; see `headless_browser` for what is raised."""
+    with headless_browser() as browser, browser.tab(HeadlessPage) as page:
+        yield page
 
 
 def browser_program() -> str:

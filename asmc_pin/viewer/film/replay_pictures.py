@@ -95,7 +95,8 @@ def _scene(html: str) -> Iterator[tuple[HeadlessPage, float]]:
     with tempfile.TemporaryDirectory(prefix="asmc-pin-film-") as folder, headless_page() as page:
         file = Path(folder) / "replay.html"
         file.write_text(html, encoding="utf-8")
-        page.open(f"{file.as_uri()}#t=0", *SIZE)
+        page.size(*SIZE)
+        page.open(f"{file.as_uri()}#t=0")
         if not page.run("window.replays?.length > 0"):
             said = page.run("document.querySelector('.replay-message')?.textContent ?? ''")
             raise ParameterError("view", f"the browser does not show the motion: {said or 'it has no WebGL'}")

@@ -1,15 +1,8 @@
 // Plays joint motions on the stage of scene.js: time, controls, and the error under each arm.
 "use strict";
 (() => {
-  const { Stage, bytes, element } = AsmcScene;
+  const { Stage, element } = AsmcScene, { bytes } = AsmcArm, { chart, places, svg } = AsmcTimeline;
   const floats = (text) => new Float32Array(bytes(text).buffer);
-  const svg = (parent, tag, attributes) => {
-    const made = document.createElementNS("http://www.w3.org/2000/svg", tag);
-    for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
-    parent.append(made);
-    return made;
-  };
-
   // Keys that move the camera: around, up and down, and by which factor nearer.
   const SHIFTED = { ArrowLeft: [-0.1, 0, 1], ArrowRight: [0.1, 0, 1], ArrowUp: [0, 0.1, 1], ArrowDown: [0, -0.1, 1] };
   const TURNS = { "+": [0, 0, 0.9], "=": [0, 0, 0.9], "-": [0, 0, 1 / 0.9] };
@@ -25,6 +18,7 @@
       this.count = this.q[0].length / this.nv;
       this.step = this.count > 1 ? duration / (this.count - 1) : 1;
       this.shades = motions.map(({ shades }) => (shades ? floats(shades) : null));
+      this.torques = motions.map(({ torque }) => (torque ? new Int8Array(bytes(torque).buffer) : null));
       this.readings = motions.map(({ reading }) => (reading ? { name: reading.name, values: floats(reading.values) } : null));
       this.ends = motions.map(({ end }) => (end === null ? null : end));
       this.last = this.ends.map((end) => (end === null ? this.count - 1 : Math.floor(end / this.step)));
@@ -59,6 +53,13 @@
       return q.map((value, j) => wanted[j] + this.magnify * (value - wanted[j]));
     }
 
+    // Torques of arm `a` over their limits, ±1 at the limit; after its end there are none.
+    shares(a, frame) {
+      const k = Math.round(Math.min(frame, this.count - 1)), { nv } = this;
+      if (frame > this.last[a]) return new Array(nv).fill(0);
+      return Array.from(this.torques[a].subarray(k * nv, (k + 1) * nv), (share) => share / 127);
+    }
+
     frames() { return Array.from({ length: this.count }, (_, k) => k); }
 
     format(error) {
@@ -77,6 +78,7 @@
       this.colours = data.motions.map((motion) => motion.colour);
       this.motions = new Motions(data);
       this.duration = data.duration;
+      this.marks = data.marks;
       this.time = 0;
       this.playing = false;
       this.speed = 1;
@@ -101,6 +103,7 @@
       stage.arms.forEach((arm, a) => {
         arm.set(motions.shown(a, frame));
         const k = 3 * Math.round(Math.min(frame, motions.count - 1));
+        if (motions.torques[a]) arm.showTorques(motions.shares(a, frame));
         if (motions.shades[a]) arm.shade(...motions.shades[a].subarray(k, k + 3));
         this.describe(a, frame);
       });
@@ -108,7 +111,7 @@
       this.slider.value = this.time;
       this.slider.setAttribute("aria-valuetext", `${this.time.toFixed(2)} seconds`);
       this.clock.textContent = `${this.time.toFixed(2)} s / ${this.duration.toFixed(2)} s`;
-      this.cursor?.setAttribute("transform", `translate(${1000 * this.time / (this.duration || 1)} 0)`);
+      this.moveCursor?.(this.time);
       stage.viewer.set_dirty();
       document.dispatchEvent(new CustomEvent("replay-time", { detail: this.time }));  // figures beside it move along
     }
@@ -176,12 +179,10 @@
 
     // What the scene shows now, as a picture: paper has no canvas.
     still() {
-      const { host, viewer, canvas } = this.stage;
+      const { host } = this.stage;
       if (!host.clientWidth || !host.clientHeight) return;  // hidden: the former still stays
       const image = host.parentElement.querySelector(".replay-still") ?? element(host.parentElement, "img", { class: "replay-still" });
-      viewer.set_dirty();
-      viewer.render();
-      image.src = canvas.toDataURL("image/jpeg", 0.9);
+      image.src = this.stage.photograph().toDataURL("image/jpeg", 0.9);
       image.alt = `The scene at ${this.time.toFixed(2)} s: ${this.stage.labels.map(({ label }) => label.innerText.replace("\n", " ")).join("; ")}`;
     }
 
@@ -194,7 +195,7 @@
       svg(icon, "path", { class: "icon-pause", d: "M6 4.5h4.2v15H6zM13.8 4.5H18v15h-4.2z" });
       this.clock = element(bar, "output", { class: "replay-clock" });
       const track = element(bar, "div", { class: "replay-track" });
-      if (this.motions.errors.length && this.motions.count > 1) this.chart(track);
+      if (this.motions.errors.length && this.motions.count > 1) this.moveCursor = chart(this, track, this.marks);
       this.slider = element(track, "input", { type: "range", min: 0, max: this.duration, step: "any", value: 0, "aria-label": "Time" });
       const choice = (text, options, chosen, act) => {
         const select = element(element(bar, "label", {}, text), "select");
@@ -214,6 +215,7 @@
       if (this.motions.reference) {
         const errors = choice("Errors", [1, 5, 20, 100], 1, (factor) => {
           this.motions.magnify = factor;
+          this.stage.magnified(factor);
           this.trace();
           this.seek(this.time);
         });
@@ -221,35 +223,16 @@
         box("Reference", true, (on) => this.stage.show({ reference: on }));
       }
       box("Path", true, (on) => this.stage.show({ paths: on })).parentElement.classList.add("replay-moving");
+      if (this.motions.torques.some((torque) => torque)) {
+        const torque = box("Torque", true, (on) => this.stage.show({ torques: on })).parentElement;
+        torque.title = "Arcs at the joints: torque over the joint's limit, half a turn and red at it; without a limit, over the largest torque of the run";
+      }
+      if (this.motions.q.length > 1) box("On one base", false, (on) => this.stage.gather(on)).parentElement.title = "All arms on one base, tinted; the solid one is the reference";
+      if (this.marks.length) places(this, bar, this.marks);
       this.loop = box("Loop", !this.embedded, () => {});
       this.loop.parentElement.classList.add("replay-moving");
       element(bar, "button", { type: "button" }, "Reset view").addEventListener("click", () => this.stage.resetView());
       this.showState();
-    }
-
-    // The largest joint error over time, above the slider, so that the time of trouble can be found.
-    chart(track) {
-      const { errors, last, count } = this.motions;
-      const curves = errors.map((values, a) => Array.from(values.slice(0, last[a] + 1)));
-      const top = curves.flat().reduce((x, y) => Math.max(x, y), 1e-12);
-      // Errors that are far apart stand on a logarithmic axis, as in the figures.
-      const sizes = curves.map((values) => Math.sqrt(values.reduce((sum, e) => sum + e * e, 0) / values.length)).filter((size) => size > 0);
-      const far = Math.max(...sizes) > 15 * Math.min(...sizes), floor = Math.max(Math.min(...sizes) / 10, 1e-6 * top);
-      const height = far ? (e) => Math.log(Math.max(e, floor) / floor) / Math.log(top / floor) : (e) => e / top;
-      const scale = far ? `from ${this.motions.format(floor)}, logarithmic` : "from 0";
-      element(track, "div", { class: "replay-top" }, `Largest joint error over time, ${scale}, to ${this.motions.format(top)}`);
-      const chart = svg(track, "svg", { viewBox: "0 0 1000 100", preserveAspectRatio: "none", class: "replay-chart", "aria-hidden": "true" });
-      curves.forEach((values, a) => {
-        const points = values.map((e, k) => `${(1000 * k / (count - 1)).toFixed(1)},${(97 - 92 * height(e)).toFixed(1)}`);
-        svg(chart, "polyline", { points: points.join(" "), stroke: this.colours[a] });
-      });
-      this.cursor = svg(chart, "line", { x1: 0, x2: 0, y1: 0, y2: 100 });
-      const jump = (event) => {
-        const { left, width } = chart.getBoundingClientRect();
-        this.seek(this.duration * (event.clientX - left) / width);
-      };
-      chart.addEventListener("pointerdown", (event) => { this.pause(); chart.setPointerCapture(event.pointerId); jump(event); });
-      chart.addEventListener("pointermove", (event) => { if (event.buttons) jump(event); });
     }
 
     listen() {

@@ -1,9 +1,8 @@
 // What is seen: one arm per motion on Meshcat's scene, its ghost, the ground, the light and the camera.
-// Knows nothing of time; player.js moves it. Expects MeshCat, inlined above.
+// Knows nothing of time; player.js moves it. Expects MeshCat and arm_view.js, inlined above.
 "use strict";
 const AsmcScene = (() => {
-  const THREE = MeshCat.THREE;
-  const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  const THREE = MeshCat.THREE, { ArmView } = AsmcArm;
 
   // A child element; its text is never read as HTML.
   const element = (parent, tag, attributes = {}, text = "") => {
@@ -14,72 +13,7 @@ const AsmcScene = (() => {
     return made;
   };
 
-  // One drawn arm: a chain of scene nodes, moved by joint values.
-  class ArmView {
-    constructor(viewer, name, arm, commands) {
-      this.arm = arm;
-      this.root = viewer.scene_tree.find(["replay", name]).object;
-      this.motions = [];
-      const paths = [];
-      arm.bodies.forEach((body, index) => {
-        const path = index ? paths[body.parent].concat(`joint${index}`) : ["replay", name, "base"];
-        viewer.set_transform(path, body.placement);
-        paths.push(path.concat("motion"));
-        this.motions.push(viewer.scene_tree.find(paths[index]).object);
-        if (commands[index]) {
-          // Meshcat decodes its own command; only the path is this arm's.
-          viewer.prefix = "/" + paths[index].join("/");
-          viewer.handle_command_bytearray(bytes(commands[index]));
-          viewer.prefix = "";
-        }
-      });
-      this.meshes = [];
-      this.root.traverse((object) => { if (object.isMesh) this.meshes.push(object); });
-      for (const mesh of this.meshes) mesh.receiveShadow = false;
-    }
-
-    set(q) {
-      this.arm.bodies.forEach((body, index) => {
-        if (body.joint < 0) return;
-        const node = this.motions[index];
-        const axis = new THREE.Vector3(...body.axis);
-        const value = body.ratio * q[body.joint] + body.offset;
-        if (body.prismatic) node.position.copy(axis.multiplyScalar(value));
-        else node.quaternion.setFromAxisAngle(axis, value);
-      });
-    }
-
-    // The whole arm in one colour, which `shade` sets.
-    makeShaded() {
-      this.material = new THREE.MeshPhongMaterial({ shininess: 12, side: THREE.DoubleSide });
-      for (const mesh of this.meshes) mesh.material = this.material;
-    }
-
-    shade(red, green, blue) { this.material.color.setRGB(red, green, blue); }
-
-    // Where the tip is, in the arm's base frame.
-    tip() {
-      const point = new THREE.Vector3(...this.arm.tip.point);
-      let node = this.motions[this.arm.tip.body];
-      for (; node !== this.root; node = node.parent) {
-        node.updateMatrix();
-        point.applyMatrix4(node.matrix);
-      }
-      return point;
-    }
-
-    makeGhost(colour, opacity) {
-      for (const mesh of this.meshes) {
-        mesh.castShadow = false;
-        mesh.renderOrder = 1;
-        // Pushed back a little, so that where ghost and arm coincide the arm is seen.
-        mesh.material = new THREE.MeshPhongMaterial({
-          color: colour, transparent: true, opacity, depthWrite: false, side: THREE.DoubleSide,
-          polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8,
-        });
-      }
-    }
-  }
+  const GHOST = 0x5b9bff;
 
   class Stage {
     constructor(host, data, embedded) {
@@ -88,7 +22,8 @@ const AsmcScene = (() => {
       const { low, high } = data.stage;
       this.reach = Math.max(...high.map((value, k) => value - low[k]));
       this.off = data.motions.map(() => false);
-      this.parts = { reference: true, paths: true };
+      this.parts = { reference: true, paths: true, torques: true };
+      this.together = false;  // all arms on one base
       this.openViewer(embedded);
       this.light();
       this.populate();
@@ -114,7 +49,7 @@ const AsmcScene = (() => {
       viewer.prefix = "";
       const handle = viewer.handle_command.bind(viewer);
       viewer.handle_command = (command) => handle({ ...command, path: viewer.prefix + (command.path || "") });
-      viewer.camera.fov = 32;
+      viewer.camera.fov = 10;  // a long lens: the outer arms do not lean
       viewer.controls.enableZoom = !embedded;
       this.canvas = viewer.renderer.domElement;
       this.canvas.setAttribute("role", "img");
@@ -145,11 +80,16 @@ const AsmcScene = (() => {
       const { arm, commands, motions, reference, stage } = this.data;
       this.arms = motions.map((_, k) => new ArmView(this.viewer, `arm${k}`, arm, commands));
       this.ghosts = reference === null ? [] : motions.map((_, k) => new ArmView(this.viewer, `ghost${k}`, arm, commands));
-      for (const ghost of this.ghosts) ghost.makeGhost(0x5b9bff, 0.34);
-      motions.forEach((motion, k) => { if (motion.shades) this.arms[k].makeShaded(); });
+      for (const ghost of this.ghosts) ghost.tint(GHOST, 0.34);
+      motions.forEach((motion, k) => {
+        if (motion.shades) this.arms[k].makeShaded();
+        if (motion.torque) this.arms[k].addArcs(motion.colour, 0.085 * this.reach);
+      });
       this.paths = motions.map((motion, k) => this.line(`path${k}`, motion.colour, 1));
       this.wanted = this.ghosts.map((_, k) => this.line(`wanted${k}`, "#7f8894", 0.9));
       const labels = element(this.host, "div", { class: "replay-labels" });
+      this.badge = element(this.host, "p", { class: "replay-badge" });
+      this.badge.hidden = true;
       this.labels = motions.map((motion) => {
         const label = element(labels, "div", { class: "replay-label" });
         label.style.setProperty("--colour", motion.colour);
@@ -191,14 +131,14 @@ const AsmcScene = (() => {
       };
       const count = this.arms.length;
       const aspect = this.host.clientWidth / Math.max(1, this.host.clientHeight);
-      const fit = Math.min(count, Math.max(1, Math.min(4, Math.round(aspect * 2.2))));
+      const fit = this.together ? count : Math.min(count, Math.max(1, Math.min(4, Math.round(aspect * 2.2))));
       const rows = Math.ceil(count / fit), columns = Math.ceil(count / rows);
       const across = 1.04 * span(right) + 0.06 * this.reach, deep = 1.3 * span(toward) + 0.15 * this.reach;
       this.elevation = rows > 1 ? 0.5 : 0.3;
       this.offsets = this.arms.map((_, k) => {
         const row = Math.floor(k / columns), inRow = Math.min(columns, count - row * columns);
         const u = (k % columns - (inRow - 1) / 2) * across, w = (row - (rows - 1) / 2) * deep;
-        return [right[0] * u + toward[0] * w, right[1] * u + toward[1] * w];
+        return this.together ? [0, 0] : [right[0] * u + toward[0] * w, right[1] * u + toward[1] * w];
       });
       const upright = new THREE.Matrix4().fromArray(this.data.arm.upright);
       this.offsets.forEach(([x, y], k) => {
@@ -258,15 +198,37 @@ const AsmcScene = (() => {
       }
     }
 
+    // All arms on one base, tinted, with the reference as the solid one; or side by side with a ghost of it in each.
+    gather(together) {
+      this.together = together;
+      this.arms.forEach((arm, k) => arm.tint(together ? this.data.motions[k].colour : null, 0.4));
+      this.ghosts[0]?.tint(together ? null : GHOST, 0.34);
+      this.host.classList.toggle("is-together", together);
+      for (const { label } of this.labels) label.style.transform = "";
+      this.arrange();
+      this.show({});
+      this.resetView();
+    }
+
+    // Says in the picture that errors are magnified.
+    magnified(factor) {
+      this.badge.textContent = `Errors ×${factor}`;
+      this.badge.hidden = factor === 1;
+    }
+
     // What is to be seen of every motion that is not hidden itself.
     show(parts) {
       Object.assign(this.parts, parts);
-      const { reference, paths } = this.parts;
+      const { reference, paths, torques } = this.parts, { together } = this;
       this.arms.forEach((arm, k) => {
         const on = !this.off[k], set = (object, seen) => { if (object) object.visible = seen; };
-        for (const object of [arm.root, this.rings[k], this.pedestals[k]]) set(object, on);
-        for (const object of [this.ghosts[k]?.root, this.wanted[k]]) set(object, on && reference);
+        set(arm.root, on);
+        // On one base there is one ring, one pedestal and one reference, whoever is hidden.
+        for (const object of [this.rings[k], this.pedestals[k]]) set(object, together ? k === 0 : on);
+        for (const object of [this.ghosts[k]?.root, this.wanted[k]]) set(object, reference && (together ? k === 0 : on));
+        this.rings[k].material.color.set(together ? GHOST : this.data.motions[k].colour);
         set(this.paths[k], on && paths);
+        arm.showArcs(torques, together ? 1 + 0.22 * k : 1);  // one outside the other
       });
       this.viewer.set_dirty();
     }
@@ -324,11 +286,43 @@ const AsmcScene = (() => {
       viewer.set_dirty();
     }
 
+    // The picture with its labels, as paper needs it: a canvas of its own.
+    photograph() {
+      const { viewer, canvas, host } = this, made = document.createElement("canvas"), pen = made.getContext("2d");
+      viewer.set_dirty();
+      this.render();
+      viewer.render();  // in the same turn, or the browser may have emptied the canvas
+      Object.assign(made, { width: canvas.width, height: canvas.height });
+      pen.drawImage(canvas, 0, 0);
+      pen.scale(canvas.width / host.clientWidth, canvas.height / host.clientHeight);
+      const { left, top } = host.getBoundingClientRect();
+      for (const box of host.querySelectorAll(".replay-label, .replay-badge")) {
+        if (box.hidden || !box.offsetWidth) continue;
+        const at = box.getBoundingClientRect(), x = at.left - left, y = at.top - top;
+        pen.fillStyle = "rgb(255 255 255 / .86)";
+        pen.fillRect(x, y, at.width, at.height);
+        pen.fillStyle = box.style.getPropertyValue("--colour") || "#1d2430";
+        pen.fillRect(x, y, at.width, 3);
+        Object.assign(pen, { fillStyle: "#1d2430", textAlign: "center", textBaseline: "middle" });
+        const lines = [...(box.children.length ? box.children : [box])].filter((line) => line.textContent);
+        for (const line of lines) {
+          const own = line.getBoundingClientRect(), { fontWeight, fontSize, fontFamily } = getComputedStyle(line);
+          pen.font = `${fontWeight} ${fontSize} ${fontFamily}`;
+          pen.fillText(line.textContent, x + at.width / 2, own.top - top + own.height / 2, at.width - 8);
+        }
+      }
+      return made;
+    }
+
     render() {
       if (!this.viewer.needs_render) return;
       this.viewer.render();
       const { clientWidth, clientHeight } = this.host, { centre, ground } = this.data.stage, { camera } = this.viewer;
       this.labels.forEach(({ label }, k) => {
+        if (this.together) {  // in a row below, as the style sheet has them
+          label.hidden = this.off[k];
+          return;
+        }
         // In front of the ring, as the camera stands.
         const x = this.offsets[k][0] + centre[0], y = this.offsets[k][1] + centre[1];
         const dx = camera.position.x - x, dy = -camera.position.z - y, step = this.rim / (Math.hypot(dx, dy) || 1);
@@ -341,5 +335,5 @@ const AsmcScene = (() => {
     }
   }
 
-  return { Stage, bytes, element };
+  return { Stage, element };
 })();
