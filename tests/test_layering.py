@@ -49,7 +49,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "arms": {"rigid_body"},
     "controllers": {"parameters", "numerics"},
     "baselines": {"arms", "controllers", "parameters"},  # laws that may know the arm, to compare with
-    "references": {"arms", "controllers", "parameters"},
+    "references": {"arms", "controllers", "parameters", "logs"},
     "condition": {"arms", "logs", "references", "rigid_body", "numerics"},
     "sampled": {"arms", "controllers", "references", "condition", "parameters", "rigid_body", "numerics"},
     "identification": {"arms", "logs", "condition"},
@@ -98,6 +98,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "condition.hypotheses",
         "plant",
         "engine",
+        "metrics",
         "experiment",
     },
     "pages": {
