@@ -11,7 +11,7 @@ from paths import REPOSITORY
 from asmc_pin.experiment import experiment_names
 
 ROOT = REPOSITORY
-PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), ROOT / "benchmarks" / "README.md"])
+PAGES = sorted([*generate.pages(), ROOT / "benchmarks" / "README.md"])
 
 
 def test_everything_that_is_derived_is_fresh():
