@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from asmc_pin.disk.files import write_whole
 from asmc_pin.identification.identification_report import Identification
 from asmc_pin.pages.figure_style import GREY, PAGE, paper_style
-from asmc_pin.pages.html_fragments import table_html
+from asmc_pin.pages.html_fragments import scroll, table_html
 from asmc_pin.pages.plates import Plate, framed, is_html, write_beside
 from asmc_pin.pages.tables.text_table import Table, markdown_table
 from asmc_pin.words.media import for_figure, for_html, for_markdown
@@ -47,14 +47,12 @@ def write_identification_page(found: Identification, path: str | Path) -> None:
             "</ul>",
         ]
         body += ["<h2>What is left of each joint's torque</h2>", f"<p>{for_html(_STAGES)}</p>"]
-        body += ['<div class="scroll" tabindex="0">', table_html(left, {}), "</div>"]
+        body += [scroll("What is left of each joint's torque", table_html(left, {}))]
         body += [plate.html() for plate in plates]
         if estimates is not None:
             body += [
                 "<h2>Estimates, 95 %</h2>",
-                '<div class="scroll" tabindex="0">',
-                table_html(estimates, {}),
-                "</div>",
+                scroll("Estimates", table_html(estimates, {})),
             ]
         body += [f"<p>{for_html(line)}</p>" for line in remarks]
         write_whole(path, framed(title, body, player=False))
