@@ -96,6 +96,8 @@ if TYPE_CHECKING:
     from asmc_pin.identification.filtered_motion import FilteredMotion as FilteredMotion
     from asmc_pin.identification.identification_report import Identification as Identification
     from asmc_pin.identification.identifying import identify as identify
+    from asmc_pin.identification.mbar_along_log import MbarAlongLog as MbarAlongLog
+    from asmc_pin.identification.mbar_along_log import mbar_on_log as mbar_on_log
     from asmc_pin.identification.suspects import Suspicion as Suspicion
     from asmc_pin.identification.torque_model import TorqueModel as TorqueModel
     from asmc_pin.identification.weighted_fit import Fit as Fit
@@ -103,6 +105,8 @@ if TYPE_CHECKING:
     from asmc_pin.inspection import Inspection as Inspection
     from asmc_pin.inspection import inspect as inspect
     from asmc_pin.inspection.inspection_report import InspectedJoint as InspectedJoint
+    from asmc_pin.log_rerun import LawOnLog as LawOnLog
+    from asmc_pin.log_rerun import law_on_log as law_on_log
     from asmc_pin.logs import JointLog as JointLog
     from asmc_pin.logs import LogOptions as LogOptions
     from asmc_pin.logs import read_log as read_log

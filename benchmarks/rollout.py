@@ -125,6 +125,23 @@ def ours(plant: str, law: str, batch: int, repeats: int) -> float:
     return 1e6 * seconds / ticks / batch
 
 
+def step_alone(batch: int, repeats: int) -> float:
+    """The step of the law in numpy by itself, without an engine around it: µs per trial and call."""
+    law, source, calls = LAWS["numpy law"], np.random.default_rng(0), max(20, 20_000 // batch)
+    told, wanted = source.uniform(-1.0, 1.0, (3, batch, ARM.nv)), source.uniform(-1.0, 1.0, (3, 1, ARM.nv))
+    told.setflags(write=False)
+    sample, setpoint = Sample(*told), Setpoint(*np.broadcast_to(wanted, told.shape))
+    start = law.init(sample)
+
+    def run() -> None:
+        state = start
+        for _ in range(calls):
+            state = law.step(state, sample, setpoint)[1]
+
+    run()
+    return 1e6 * best(run, repeats) / calls / batch
+
+
 def mujoco_loop(repeats: int) -> float:
     """A Python loop round `mj_step`, the torque written at every tick: µs per tick."""
     import mujoco
@@ -321,6 +338,10 @@ def main() -> None:
         print(f"{plant:>14} {law:>10} {batch:>6} {cost:>14.2f} {base:>13.2f} {cost / base:>6.2f}", flush=True)
         goal = f"{GOALS[plant, law, batch]:g}" if (plant, law, batch) in GOALS else ""
         table.append(f"| {plant} | {law} | {batch} | {cost:.2f} | {base:.2f} | {cost / base:.2f} | {goal} |")
+        if law == "numpy law":
+            alone = step_alone(batch, repeats)
+            print(f"{'':>14} its step {batch:>7} {alone:>14.2f} {'':>13} {alone / base:>6.2f}", flush=True)
+            table.append(f"| none | its step alone | {batch} | {alone:.2f} | {base:.2f} | {alone / base:.2f} |  |")
     try:
         loop, rolled = mujoco_loop(repeats), mujoco_rollout(256, repeats)
         one, many = loop / bare(1, repeats), rolled / bare(256, repeats)

@@ -21,7 +21,7 @@ from asmc_pin import load_arm
 from asmc_pin.errors import ArmError
 from asmc_pin.experiment import Experiment
 
-SOME = {"urdf": 200, "toml": 60, "certificate": 150, "result": 100}
+SOME = {"urdf": 120, "toml": 40, "certificate": 80, "result": 60}
 MANY = 1000
 
 

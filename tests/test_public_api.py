@@ -24,7 +24,7 @@ from asmc_pin.lazy import homes_of
 
 VERBS = [
     *("load_arm", "lemma1_norm", "weighted_norm", "verify", "certify", "check", "design", "bounds", "stability"),
-    *("certify_loop", "export", "load_exported", "identify", "read_log"),
+    *("certify_loop", "export", "load_exported", "identify", "read_log", "mbar_on_log", "law_on_log"),
     *("suggest_gains", "agree", "load_experiment", "compare", "reproduce", "rollout", "tune", "bench", "view"),
 ]
 

@@ -47,6 +47,8 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "identify": (
             "identify ur5 log.csv --out measured.toml --report page.html",
             "identify my_robot.urdf log.csv.gz --torque-side link --columns tau=effort_{n}",
+            "identify ur5 log.csv --law demo PPC --report page.html",
+            "identify ur5 rosbag2_2026_11_28/ --topic /joint_states",
             "identify ur5 log.csv --degrees --motor-constant 12.1,12.1,10.9,9.5,9.5,9.5",
         ),
         "arms": ("arms", "arms --json"),

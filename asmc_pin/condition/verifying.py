@@ -33,6 +33,9 @@ if TYPE_CHECKING:
     from asmc_pin.arms import Arm
 
 
+_NAMED = 8  # cases that a note lists; a payload whose place is a range has dozens
+
+
 class _Seen(NamedTuple):
     """The worst of one case."""
 
@@ -251,7 +254,9 @@ def _notes(all_cases: Sequence[Case], condition: Condition, norm: float, where: 
     if norm < 1.0:
         notes.append("sampled and searched, not proven: a sample can refute the condition but never prove it")
     if len(all_cases) > 1:
-        notes.append(f"{len(all_cases)} cases: " + "; ".join(case.label for case in all_cases))
+        named = [case.label for case in all_cases[:_NAMED]]
+        rest = len(all_cases) - len(named)
+        notes.append(f"{len(all_cases)} cases: " + "; ".join(named) + (f"; and {rest} more" if rest else ""))
     if np.any(domain.armature_upper > domain.armature_lower):
         notes.append("armature range: covered by its ends, since the condition is affine in the armature")
     return notes

@@ -269,20 +269,22 @@ class TdeLaw(CompiledLaw):
         Returns:
             The torque (7), (batch, nv), N·m; the sliding variable s (4), (batch, nv), rad/s; the next state.
         """
-        shape = sample.q.shape
-        law, out = self.law_rows(shape[1]), np.empty((6, *shape))
-        check_trials(law, shape[0])
-        ticks = state.ticks
-        given: tuple[Array, ...] = (sample.q, sample.v, sample.torque, setpoint.q, setpoint.v, setpoint.a, *state[1:])
+        q, v, applied = sample.q, sample.v, sample.torque
+        batch, nv = shape = q.shape
+        law, out = self.law_rows(nv), np.empty((6, batch, nv))
+        if len(law) != 1:
+            check_trials(law, batch)
+        ticks, *past = state
+        control = shared_control()
         try:
-            done = shared_control()(ticks, law, *given, out)
+            done = control(ticks, law, q, v, applied, setpoint.q, setpoint.v, setpoint.a, *past, out)
         except TypeError:  # whole numbers, say
             done = False
         if not done:
-            given = tuple(np.broadcast_to(np.asarray(x, dtype=np.float64), shape) for x in given)
-            shared_control()(ticks, law, *given, out)
-        torque, s, *after = out
-        return torque, s, TdeState(ticks + 1, *after)
+            given = (q, v, applied, setpoint.q, setpoint.v, setpoint.a, *past)
+            control(ticks, law, *(np.broadcast_to(np.asarray(x, dtype=np.float64), shape) for x in given), out)
+        torque, s, position, velocity, acceleration, reported = out
+        return torque, s, TdeState(ticks + 1, position, velocity, acceleration, reported)
 
     def _check_joints(self, nv: int) -> None:
         if self.nv is not None and self.nv != nv:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import difflib
 import json
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from asmc_pin.disk.reading import read_file, shown, user_path
 from asmc_pin.disk.resources import shipped
@@ -26,7 +27,9 @@ def experiment_names() -> list[str]:
     return sorted(path.stem for path in shipped("experiments").glob("*.toml"))
 
 
-def load_experiment(source: str | Path, *, import_laws: bool = True, plant: str | Path | None = None) -> Experiment:
+def load_experiment(
+    source: str | Path, *, import_laws: bool = True, plant: str | Path | Mapping[str, Any] | None = None
+) -> Experiment:
     """Read and check an experiment.
 
     Args:
@@ -34,7 +37,8 @@ def load_experiment(source: str | Path, *, import_laws: bool = True, plant: str 
             what it names by a relative path is looked for where the experiment lay when it was run.
         import_laws: Whether a law of one's own (``my_module:MyLaw``) is imported, which runs the code of that module.
             False for a file that is only looked at: its arm, motion and plant are there, its controllers are not.
-        plant: A file of ``asmc-pin identify --out``, whose ``[arm]`` and ``[plant]`` are laid over the experiment's.
+        plant: A file of ``asmc-pin identify --out``, whose ``[arm]`` and ``[plant]`` are laid over the experiment's; or
+            these tables.
 
     Raises:
         ExperimentError: there is no such file, its TOML is broken (names the line), or keys or values are wrong (lists
@@ -45,7 +49,8 @@ def load_experiment(source: str | Path, *, import_laws: bool = True, plant: str 
     text, data = read_toml(path)
     if plant is not None:
         # The text of the experiment is no longer what is run.
-        text, data = None, with_measured(data, read_measured(user_path(plant)))
+        text = None
+        data = with_measured(data, plant if isinstance(plant, Mapping) else read_measured(user_path(plant)))
     from asmc_pin.experiment.experiment import Experiment  # only now: it brings all that an experiment may be made of
 
     return Experiment.from_dict(data, folder=_folder(path), origin=str(path), text=text, import_laws=import_laws)

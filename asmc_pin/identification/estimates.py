@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asmc_pin._typing import Array, BoolArray
+from asmc_pin.identification.possible_body import LastBody
 from asmc_pin.identification.torque_model import LEAST
 from asmc_pin.identification.weighted_fit import Fit
 
@@ -57,14 +58,11 @@ def estimates(fit: Fit) -> dict[str, Estimate]:
             j = model.arm.joint_names.index(joint)
             first = model.index("coulomb", j)
             spread = covariance[i, i] + covariance[first, first] + 2.0 * covariance[i, first]
-            found[f"breakaway.{joint}"] = _around(values[i] + values[first], spread, 0.0)
+            found[f"breakaway.{joint}"] = around(values[i] + values[first], spread, 0.0)
         elif kind.startswith("payload.moment"):
             continue
         else:
-            name = f"{kind}.{joint}" if joint else kind
-            found[name] = _around(
-                values[i], covariance[i, i], LEAST.get(kind, 0.0 if kind == "stribeck_velocity" else None)
-            )
+            found[f"{kind}.{joint}" if joint else kind] = around(values[i], covariance[i, i], _least(fit, kind))
     mass = model.index("payload.mass")
     if free[mass] and abs(values[mass]) > 1e-6:
         for axis in "xyz":
@@ -74,11 +72,19 @@ def estimates(fit: Fit) -> dict[str, Estimate]:
             centre = values[place] / values[mass]
             slope = np.array([1.0, -centre]) / values[mass]
             both = covariance[np.ix_([place, mass], [place, mass])]
-            found[f"payload.com.{axis}"] = _around(centre, float(slope @ both @ slope), None)
+            found[f"payload.com.{axis}"] = around(centre, float(slope @ both @ slope))
     return found
 
 
-def _around(value: float, variance: float, least: float | None) -> Estimate:
+def _least(fit: Fit, kind: str) -> float | None:
+    """What cannot be less, by physics: no more can be missing than the last body weighs."""
+    if kind == "payload.mass":
+        return -LastBody.of(fit.model.arm).mass
+    return LEAST.get(kind, 0.0 if kind == "stribeck_velocity" else None)
+
+
+def around(value: float, variance: float, least: float | None = None) -> Estimate:
+    """A value with its interval of 95 % by its variance, which ends at the least that there can be."""
     half = WIDTH * float(np.sqrt(max(variance, 0.0)))
     low = value - half
     return Estimate(float(low if least is None else max(low, least)), float(value), float(value + half))

@@ -15,6 +15,7 @@ from asmc_pin.identification.excitation import Confusion
 from asmc_pin.identification.suspects import Suspicion
 from asmc_pin.identification.torque_model import TorqueModel
 from asmc_pin.identification.weighted_fit import Fit
+from asmc_pin.identification.words_of_fit import dotted, given_up, on_the_bound, on_the_last_joint, rms_of, without_each
 from asmc_pin.logs.joint_log import JointLog
 from asmc_pin.words.shown import Cells, Shown, figure
 from asmc_pin.words.text import printable, quoted
@@ -83,7 +84,8 @@ class Identification(Shown):
             said.append("nothing is estimated before that is mended in the log's options or in the URDF")
         else:
             said.append(
-                "signs, order and units of the joints and the direction of gravity were tested: nothing to name"
+                "signs, order and units of the joints and the direction of gravity were tested, beside what may be "
+                "carried: nothing to name"
             )
             said += self._words_by_joint()
         return said
@@ -109,7 +111,9 @@ class Identification(Shown):
             for name, each in self.parameters.items()
         ]
         said.append(f"condition number of the regressor, columns at unit length: {self.condition:.3g}")
-        said += [_given_up(each) for each in self.confusions]
+        said += [given_up(each) for each in self.confusions]
+        if self.fit.impossible is not None:
+            said.append(on_the_bound(self.fit))
         left = [
             f"{printable(name)} × {value:.2g}"
             for name, value in zip(
@@ -147,8 +151,9 @@ class Identification(Shown):
             "residual_train": None if self.fit is None else self.fit.sigma.tolist(),
             "residual_held_out": None if self.residual_held_out is None else self.residual_held_out.tolist(),
             "whiteness": None if self.whiteness is None else self.whiteness.tolist(),
+            "on_bound": self.fit is not None and self.fit.impossible is not None,
             "condition_number": self.condition if np.isfinite(self.condition) else None,
-            "given_up": [{"name": _dotted(each.name), "for": [*map(_dotted, each.others)]} for each in self.confusions],
+            "given_up": [{"name": dotted(each.name), "for": [*map(dotted, each.others)]} for each in self.confusions],
         }
 
     def _words_by_joint(self) -> list[str]:
@@ -171,10 +176,15 @@ class Identification(Shown):
             )
         mass = self.parameters.get("payload.mass")
         if mass is not None and mass.high < 0.0:
-            links = ", ".join(f"{quoted(link)} {kg:.3g} kg" for link, kg in _on_the_last_joint(self.arm).items())
+            links = ", ".join(f"{quoted(link)} {kg:.3g} kg" for link, kg in on_the_last_joint(self.arm).items())
             said.append(
                 f"what the last joint carries weighs {-mass.value:.3g} kg less than the URDF says ([{-mass.high:.3g}, "
                 f"{-mass.low:.3g}]); there are {links}: was one of them not mounted, or lighter?"
+            )
+        elif mass is not None and mass.low > 0.0:
+            said.append(
+                f"what the last joint carries weighs {mass.value:.3g} kg more than the URDF says ([{mass.low:.3g}, "
+                f"{mass.high:.3g}]): a payload, or a tool that the URDF has not"
             )
         return said
 
@@ -183,8 +193,8 @@ def contradicted(arm: Arm, log: JointLog, model: TorqueModel, suspicions: Sequen
     """The log contradicts the URDF."""
     residual, _ = model.residual(model.start())
     stages = {
-        "logged": _rms(_centred(model.logged(0.0), model.usable), model.usable),
-        "URDF": _rms(residual, model.usable),
+        "logged": rms_of(_centred(model.logged(0.0), model.usable), model.usable),
+        "URDF": rms_of(residual, model.usable),
     }
     none = np.zeros_like(model.usable)
     return Identification(arm, log, model, tuple(suspicions), {}, None, none, np.nan, (), residual, stages, None, None)
@@ -210,26 +220,9 @@ def identified(
         tuple(confusions),
         residual,
         stages,
-        _rms(residual, held_out),
+        rms_of(residual, held_out),
         whiteness,
     )
-
-
-def _given_up(each: Confusion) -> str:
-    name = _dotted(each.name)
-    if each.others:
-        return f"{name} was not estimated: this log cannot tell it from {', '.join(map(_dotted, each.others))}"
-    return f"{name} was taken as 1: this log tells it too badly"
-
-
-def _dotted(name: str) -> str:
-    return name.replace(":", ".")
-
-
-def _rms(residual: Array, rows: BoolArray) -> Array:
-    masked = np.where(rows, residual, np.nan)
-    with np.errstate(invalid="ignore"):
-        return np.asarray(np.sqrt(np.nanmean(masked**2, axis=0)))
 
 
 def _centred(values: Array, rows: BoolArray) -> Array:
@@ -247,40 +240,11 @@ def _stages(fit: Fit) -> dict[str, Array]:
         step = np.linalg.lstsq(columns[rows[:, j]], -residual[rows[:, j], j], rcond=None)[0]
         friction[:, j] = residual[:, j] + columns @ step
     return {
-        "logged": _rms(_centred(model.logged(0.0), rows), rows),
-        "URDF": _rms(residual, rows),
-        "+ friction, offset": _rms(friction, rows),
+        "logged": rms_of(_centred(model.logged(0.0), rows), rows),
+        "URDF": rms_of(residual, rows),
+        "+ friction, offset": rms_of(friction, rows),
         "+ all": fit.sigma,
     }
-
-
-_GROUPS = {
-    "friction": ("coulomb", "viscous", "weakening"),
-    "offset": ("torque_offset",),
-    "armature": ("armature",),
-    "payload": ("payload.mass", "payload.moment.x", "payload.moment.y", "payload.moment.z"),
-    "torque constant": ("torque_constant",),
-    "delay": ("delay",),
-}
-
-
-def without_each(fit: Fit) -> dict[str, Array]:
-    """RMS of each joint's residual where one group of estimates is taken back to the URDF's, the others kept; (nv,)."""
-    start, found = fit.model.start(), {}
-    for group, kinds in _GROUPS.items():
-        own = np.array([name.split(":")[0] in kinds for name in fit.model.names]) & fit.free
-        if own.any():
-            residual, _ = fit.model.residual(np.where(own, start, fit.values))
-            found[group] = _rms(residual, fit.rows)
-    return found
-
-
-def _on_the_last_joint(arm: Arm) -> dict[str, float]:
-    """Links that the last joint moves, and their masses, kg."""
-    last = arm.model.njoints - 1
-    inertials = arm.made_of.robot.inertials
-    links = [frame.name for frame in arm.model.frames if frame.parentJoint == last and frame.name in inertials]
-    return {str(link): float(inertials[link].mass) for link in dict.fromkeys(links) if inertials[link].mass > 0.0}
 
 
 def _of_the_filter(model: TorqueModel) -> float:

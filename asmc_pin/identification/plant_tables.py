@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from asmc_pin.identification.estimates import Estimate
 from asmc_pin.identification.identification_report import Identification
+from asmc_pin.identification.measured_load import estimated, measured_armature, measured_load
 from asmc_pin.words.text import printable
 
 _FRICTION = ("coulomb", "viscous", "breakaway", "stribeck_velocity")
@@ -25,16 +24,18 @@ def plant_tables(found: Identification) -> dict[str, Any]:
     Returns:
         Tables by name, as an experiment has them; values as ``{ low, value, high }``.
     """
-    arm, names = found.arm, found.arm.joint_names
+    names = found.arm.joint_names
     table: dict[str, Any] = {"source": _source(found)}
     load = _payload(found)
     if load is not None:
         table["payload"] = load
-    if any(f"armature.{name}" in found.parameters for name in names):
-        table["armature"] = [_value(found, f"armature.{name}", float(arm.armature[j])) for j, name in enumerate(names)]
+    if estimated(found.parameters, "armature"):
+        given = [f"armature.{name}" in found.parameters for name in names]
+        whole = measured_armature(found)
+        table["armature"] = [each.as_dict() if own else each.value for each, own in zip(whole, given, strict=True)]
     friction: dict[str, Any] = {}
     for kind in _FRICTION:
-        if not any(f"{kind}.{name}" in found.parameters for name in names):
+        if not estimated(found.parameters, kind):
             continue
         friction[kind] = [_value(found, f"{kind}.{name}", _default(found, kind, name)) for name in names]
     if "breakaway" in friction and "coulomb" in friction:
@@ -56,7 +57,7 @@ def plant_text(found: Identification) -> str:
         lines += ["", "[plant.friction]"]
         lines += [f"{key} = {_toml(value)}" for key, value in tables["plant"]["friction"].items()]
     mass = found.parameters.get("payload.mass")
-    if mass is not None and mass.value <= 0.0:
+    if mass is not None and "payload" not in tables["arm"]:
         lines += [
             "",
             f"# The log asks for a payload of {mass.value:.4g} kg, and no arm carries less than nothing: left out.",
@@ -83,24 +84,16 @@ def _source(found: Identification) -> str:
 
 
 def _payload(found: Identification) -> dict[str, Any] | None:
-    mass = found.parameters.get("payload.mass")
-    if mass is None or mass.value <= 0.0:
+    measured = measured_load(found)
+    if measured is None:
         return None
-    load: dict[str, Any] = {"mass": _clipped(mass)}
-    centre = [found.parameters.get(f"payload.com.{axis}") for axis in "xyz"]
-    if all(each is not None for each in centre):
-        load["com"] = [each.as_dict() for each in centre if each is not None]
-    link = found.arm.joint_names[-1]
-    load["link"] = _last_link(found)
-    return load if link else None
-
-
-def _last_link(found: Identification) -> str:
-    """The link that the last joint moves: in its frame the centre of mass stands."""
-    model = found.arm.model
-    last = model.njoints - 1
-    frames = [frame for frame in model.frames if frame.parentJoint == last and frame.name in found.arm.link_names]
-    return next(str(frame.name) for frame in frames if np.allclose(frame.placement.homogeneous, np.eye(4)))
+    load: dict[str, Any] = {"mass": measured.mass.as_dict()}
+    if measured.com is not None:
+        load["com"] = [each.as_dict() for each in measured.com]
+    if measured.inertia is not None and any(measured.inertia):
+        load["inertia"] = list(measured.inertia)
+    load["link"] = measured.link
+    return load
 
 
 def _value(found: Identification, name: str, otherwise: float) -> Any:

@@ -2,7 +2,8 @@
 
 Each suspicion is a small change of the log or of the arm. It is tested as such: with the change, and with friction,
 armature and offset fitted joint by joint, how much of the logged torque does the model leave? The score is the mean
-over the joints of log(RMS left / RMS logged); what lowers it most is named, and the search goes on from there.
+over the joints of log(RMS left / RMS logged); what lowers it most is named, and the search goes on from there. The
+payload is the first of the suspects: what a body on the last link explains as well is not named, but estimated.
 """
 
 from __future__ import annotations
@@ -89,7 +90,9 @@ def suspect(arm: Arm, motion: FilteredMotion, log: JointLog) -> list[Suspicion]:
     for _ in range(_ROUNDS):
         tried = [(_score(view, torque), text, view, torque) for text, view, torque in _changes(here, model)]
         best = min(tried, key=lambda item: item[0])
-        if best[0] > score - _GAIN:
+        # What may be carried is not known yet: a change counts where it is worth naming beside a payload too.
+        laden = [_score(view, torque + _carried(view, torque)) for view, torque in ((here, model), best[2:])]
+        if best[0] > score - _GAIN or laden[1] > laden[0] - _GAIN:
             break
         ties = [text for other, text, _, _ in tried if other < best[0] + _TIE and text != best[1]]
         also = f"; just as well: {'; or '.join(ties[:2])}" if ties else ""
@@ -159,19 +162,11 @@ def _swapped(nv: int, i: int, j: int) -> IntArray:
 
 def _along_gravity(view: View, model: Array) -> tuple[str, View, Array]:
     """The direction of gravity that explains the torques best, of the magnitude that the arm is loaded with."""
-    nv, rows = view.arm.nv, len(model)
     axes = (view.arm.replace(gravity=9.81 * axis) for axis in np.eye(3))
     unit = np.stack([arm.gravity(view.q) / 9.81 for arm in axes], axis=-1)
     old = view.arm.gravity_vector
     rest = view.torque - (model - unit @ old)
-    columns, target = [], []
-    for j in range(nv):
-        weight = 1.0 / max(float(np.std(view.torque[:, j])), 1e-9)
-        own = np.zeros((rows, 4 * nv))
-        own[:, 4 * j : 4 * j + 4] = np.column_stack([np.sign(view.v[:, j]), view.v[:, j], view.a[:, j], np.ones(rows)])
-        columns.append(weight * np.hstack([unit[:, j], own]))
-        target.append(weight * rest[:, j])
-    found = np.linalg.lstsq(np.vstack(columns), np.concatenate(target), rcond=None)[0][:3]
+    found = _beside_friction(view, unit, rest)
     size, fitted = float(np.linalg.norm(old)) or 9.81, float(np.linalg.norm(found))
     new = found * size / fitted if fitted > 0.0 else old
     angle = np.rad2deg(np.arccos(np.clip(new @ old / (size * float(np.linalg.norm(old)) or 1.0), -1.0, 1.0)))
@@ -181,6 +176,30 @@ def _along_gravity(view: View, model: Array) -> tuple[str, View, Array]:
     text = f"gravity points along ({told}) m/s² in the base frame, {angle:.0f}° from what was assumed; give gravity so"
     arm = view.arm.replace(gravity=new)
     return text, replace(view, arm=arm), model + unit @ (new - old)
+
+
+def _carried(view: View, model: Array) -> Array:
+    """Torque, (R, nv), of the payload on the last link that explains best what the URDF leaves, beside friction."""
+    links = view.arm.regressor(view.q, view.v, view.v, view.a)
+    bodies = view.arm.inertial_parameters.size - view.arm.nv
+    last = links[..., bodies - 10 : bodies]
+    return np.asarray(last @ _beside_friction(view, last, view.torque - model))
+
+
+def _beside_friction(view: View, terms: Array, left: Array) -> Array:
+    """What multiplies the terms, (R, nv, n), in least squares for a torque that is left, (R, nv); shape (n,).
+
+    Friction, armature and offset of each joint are fitted beside them; the joints by their own size.
+    """
+    nv, rows = view.arm.nv, len(left)
+    columns, target = [], []
+    for j in range(nv):
+        weight = 1.0 / max(float(np.std(view.torque[:, j])), 1e-9)
+        own = np.zeros((rows, 4 * nv))
+        own[:, 4 * j : 4 * j + 4] = np.column_stack([np.sign(view.v[:, j]), view.v[:, j], view.a[:, j], np.ones(rows)])
+        columns.append(weight * np.hstack([terms[:, j], own]))
+        target.append(weight * left[:, j])
+    return np.asarray(np.linalg.lstsq(np.vstack(columns), np.concatenate(target), rcond=None)[0][: terms.shape[-1]])
 
 
 def _of_velocities(motion: FilteredMotion, log: JointLog) -> Iterator[Suspicion]:

@@ -8,13 +8,14 @@ Joints at one instant count as one observation, whatever they share.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import lsq_linear
 
 from asmc_pin._typing import Array, BoolArray, IntArray
-from asmc_pin.identification.torque_model import LEAST, TorqueModel
+from asmc_pin.identification.possible_body import LastBody, payload_entries
+from asmc_pin.identification.torque_model import LEAST, PAYLOAD, TorqueModel
 
 _STEPS = 40
 
@@ -31,6 +32,7 @@ class Fit:
         sigma: RMS of each joint's residual over the rows that were fitted, shape (nv,), N·m.
         rows: Rows that were fitted, shape (R, nv).
         lags: Bandwidth of the covariance, rows.
+        impossible: What the fit would be if the last body needed not be possible; None where it is so anyway.
     """
 
     model: TorqueModel
@@ -40,6 +42,7 @@ class Fit:
     sigma: Array
     rows: BoolArray
     lags: float
+    impossible: Array | None = None
 
     @property
     def deviation(self) -> Array:
@@ -52,7 +55,11 @@ class Fit:
 
 
 def fit(model: TorqueModel, rows: BoolArray, free: BoolArray, start: Array | None = None) -> Fit:
-    """Estimate the free parameters from some rows.
+    """Estimate the free parameters from some rows, within what physics allows.
+
+    Where the payload that explains the log best takes more from the last body than there is, everything is estimated
+    again under the condition that this body is possible; the covariance then is that of the same parameters at the
+    estimate on the bound, so that no interval is the narrower for it.
 
     Args:
         model: The model.
@@ -60,14 +67,24 @@ def fit(model: TorqueModel, rows: BoolArray, free: BoolArray, start: Array | Non
         free: Which parameters are estimated, shape (P,).
         start: Where to begin, and the values of all others; those of the URDF when omitted.
     """
+    found, body = _fitted(model, rows, free, start, None), LastBody.of(model.arm)
+    if body.is_possible(model, found.values):
+        return found
+    begin = found.values.copy()
+    begin[[model.index(name) for name in PAYLOAD]] = 0.0
+    return replace(_fitted(model, rows, free, begin, body), impossible=found.values)
+
+
+def _fitted(model: TorqueModel, rows: BoolArray, free: BoolArray, start: Array | None, body: LastBody | None) -> Fit:
     values = model.start() if start is None else start.copy()
     places = np.flatnonzero(free).astype(np.int64)
     lower, upper = bounds(model, places)
     values[places] = np.clip(values[places], lower, upper)
+    within = None if body is None else (body, payload_entries(model, places))
     residual, jacobian = model.residual(values)
     sigma = _spread(residual - _means(residual, rows), rows)
     for _ in range(_STEPS):
-        step = _bounded_step(jacobian[:, :, places], residual, sigma, rows, (lower, upper), values[places])
+        step = _bounded_step(jacobian[:, :, places], residual, sigma, rows, (lower, upper), values[places], within)
         before, cost = values[places].copy(), _cost(residual, sigma, rows)
         for share in (1.0, 0.5, 0.25, 0.1, 0.02):
             values[places] = np.clip(before + share * step, lower, upper)
@@ -86,9 +103,15 @@ def fit(model: TorqueModel, rows: BoolArray, free: BoolArray, start: Array | Non
 
 
 def _bounded_step(
-    jacobian: Array, residual: Array, sigma: Array, rows: BoolArray, ends: tuple[Array, Array], at: Array
+    jacobian: Array,
+    residual: Array,
+    sigma: Array,
+    rows: BoolArray,
+    ends: tuple[Array, Array],
+    at: Array,
+    within: tuple[LastBody, list[int | None]] | None,
 ) -> Array:
-    """Gauss and Newton's step, within the bounds, on the small normal equations."""
+    """Gauss and Newton's step, within the bounds and where asked for to a possible body, on the normal equations."""
     scaled = np.where(rows[..., None], jacobian / sigma[:, None], 0.0).reshape(-1, jacobian.shape[2])
     left = np.where(rows, residual / sigma, 0.0).reshape(-1)
     normal, right = scaled.T @ scaled, -scaled.T @ left
@@ -96,8 +119,11 @@ def _bounded_step(
     # A trace of Levenberg's damping: what the log does not tell stays where it is.
     normal = normal / np.outer(size, size) + 1e-9 * np.eye(len(size))
     factor = np.linalg.cholesky(normal).T
-    target = np.linalg.solve(factor.T, right / size)
+    target = np.asarray(np.linalg.solve(factor.T, right / size), dtype=np.float64)
     limits = (ends[0] - at) * size - 1e-12, (ends[1] - at) * size + 1e-12
+    if within is not None:
+        body, payload = within
+        return body.step(factor, target, limits, size, payload, at) / size
     found = lsq_linear(factor, target, limits, method="bvls", max_iter=200)
     return np.asarray(found.x / size)
 

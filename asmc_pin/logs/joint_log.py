@@ -11,6 +11,7 @@ import numpy as np
 from asmc_pin._typing import Array, BoolArray
 from asmc_pin.disk.reading import Fail
 from asmc_pin.errors import ParameterError
+from asmc_pin.logs.bag_table import is_bag, read_bag
 from asmc_pin.logs.log_columns import clock_column, joint_columns
 from asmc_pin.logs.log_options import TIME_UNITS, LogOptions
 from asmc_pin.logs.log_table import numbers, read_table
@@ -63,7 +64,8 @@ def read_log(
     ``q_<joint>`` or ``<joint>/position`` and the like; the same with ``v`` and ``tau``. Others are ignored.
 
     Args:
-        path: CSV with ``,``, ``;`` or tabs, also gzipped, or Parquet.
+        path: CSV with ``,``, ``;`` or tabs, also gzipped, Parquet, or a ROS 2 bag with `sensor_msgs/JointState`: its
+            folder, or a file of it in MCAP or SQLite.
         joints: Names of the arm's joints, base first.
         options: Names of columns, units, kind of torque.
         kinds: ``"revolute"`` or ``"prismatic"``, per joint; all turn when omitted.
@@ -73,13 +75,17 @@ def read_log(
 
     Raises:
         ParameterError: It cannot be read, a column is missing, a cell is no number, or too little is left.
+        MissingDependencyError: It is a bag, and the package that reads bags is not installed.
     """
 
     def fail(message: str) -> ParameterError:
         return ParameterError("log", message)
 
     path, options = Path(path), options or LogOptions()
-    table = read_table(path, fail)
+    bag = read_bag(path, joints, options, fail) if is_bag(path) else None
+    if bag is None and options.topic is not None:
+        raise ParameterError("topic", f"'{options.topic}' given, and {path.name} is no bag: only a bag has topics")
+    table = read_table(path, fail) if bag is None else bag.table
     columns = list(table.columns)
     clock = clock_column(columns, options, path.name, fail)
     names = {kind: joint_columns(columns, kind, joints, options, path.name, fail) for kind in ("q", "v", "tau")}
@@ -88,7 +94,8 @@ def read_log(
         raise fail(f"{path.name} lacks joint columns; {expected} or q_<joint> expected, one per joint, or name them")
     wanted = [clock, *(column for kind in ("q", "v", "tau") for column in names[kind] or ())]
     values = numbers(path, table, wanted, fail, gaps=True)
-    told = [f"{path.name}: {len(values)} rows, columns {', '.join(wanted[:1] + _ends(names))}"]
+    told = list(() if bag is None else bag.told)
+    told += [f"{path.name}: {len(values)} rows, columns {', '.join(wanted[:1] + _ends(names))}"]
     values, notes = _cleaned(values, path.name, fail)
     told += notes
     time = (values[:, 0] - values[0, 0]) * TIME_UNITS[options.time_unit]

@@ -27,6 +27,7 @@ class LogOptions:
         motor_constant: N·m at the joint for each unit that is logged, one value or one per joint; for currents in A.
         torque_side: ``"motor"``: the torque before rotor and friction, of a current for example; ``"link"``: of a
             sensor after the gear, which does not feel the rotor.
+        topic: Of a bag; may be omitted where only one has `sensor_msgs/JointState`.
 
     Raises:
         ParameterError: One of them is none of these.
@@ -37,6 +38,7 @@ class LogOptions:
     time_unit: str = "s"
     motor_constant: Sequence[float] | float | None = None
     torque_side: str = "motor"
+    topic: str | None = None
 
     def __post_init__(self) -> None:
         """Say what is none of the words."""

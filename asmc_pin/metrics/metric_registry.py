@@ -44,6 +44,9 @@ QUANTITIES: Mapping[str, tuple[str, str]] = MappingProxyType(
 )
 
 
+LEAST = 1e-6
+"""What is too small to matter, SI: of an error a microradian or a micrometre, less than anyone could set or measure."""
+
 MOVED = "moved_"
 """How the columns of a summary begin that say how half the step moves a metric, relative to the finer figure."""
 
@@ -105,6 +108,11 @@ class Metric:
         """SI unit, that of a prismatic joint after it where it differs; ``"1"`` for a pure number."""
         revolute, prismatic = QUANTITIES[self.quantity]
         return revolute if revolute == prismatic else f"{revolute} or {prismatic}"
+
+    @property
+    def least(self) -> float:
+        """What a smaller figure counts as in a geometric mean over joints: `LEAST`, and LEAST² of what is squared."""
+        return LEAST**2 if "squared" in self.quantity else LEAST
 
     def __call__(self, rollout: Rollout, settings: MetricSettings | None = None) -> Array:
         """Evaluate on a rollout.

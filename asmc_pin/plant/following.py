@@ -79,11 +79,11 @@ def _ask_tick_by_tick(
     ticks, nv = wanted.q.shape
     batch = len(run.active)
     q_ref, v_ref, a_ref = (np.broadcast_to(x[:, None], (ticks, batch, nv)) for x in (wanted.q, wanted.v, wanted.a))
-    logs_gain = hasattr(state, "gain")
+    logs_gain, step, follow, sample = hasattr(state, "gain"), controller.step, run.follow_command, run.sample
     k = 0
     while k < ticks and run.running:
-        command, state = controller.step(state, run.sample(), Setpoint(q_ref[k], v_ref[k], a_ref[k]))
-        run.follow_command(_torque_of(controller, command, batch, nv), state.gain if logs_gain else None)
+        command, state = step(state, sample(), Setpoint(q_ref[k], v_ref[k], a_ref[k]))
+        follow(_torque_of(controller, command, batch, nv), state.gain if logs_gain else None)
         k += 1
         if progress is not None and (k % CHUNK == 0 or k == ticks):
             progress(k, ticks)

@@ -7,6 +7,7 @@ import pandas as pd
 
 from asmc_pin._typing import Array, BoolArray
 from asmc_pin.metrics import METRICS
+from asmc_pin.statistics.joint_mean import joint_mean
 from asmc_pin.statistics.order_statistics import spread_of, with_failures
 from asmc_pin.statistics.pairwise import PairedComparison, pairwise
 
@@ -63,7 +64,7 @@ def _cube(summary: pd.DataFrame, name: str) -> Array:
 def paired(summary: pd.DataFrame) -> list[PairedComparison]:
     """Every pair of controllers by the metrics that a person reads first; nothing of a single trial.
 
-    By the geometric mean over the joints, which asks for no weights between them, nor between rad and m.
+    By the `joint_mean`.
 
     Args:
         summary: Rows of a comparison.
@@ -73,8 +74,7 @@ def paired(summary: pd.DataFrame) -> list[PairedComparison]:
     labels, family = labels_of(summary), {}
     for name, metric in METRICS.items():
         if metric.main and metric.best == "smallest":
-            with np.errstate(divide="ignore"):
-                mean = np.exp(np.mean(np.log(figures_by_trial(summary, name)), axis=2))
+            mean = joint_mean(figures_by_trial(summary, name), metric.least)
             family[name] = {label: row for label, row in zip(labels, mean, strict=True) if not np.isnan(row).any()}
     return pairwise(family)
 

@@ -10,6 +10,7 @@ from asmc_pin._typing import Array
 from asmc_pin.engine import Rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.metrics import METRICS
+from asmc_pin.statistics.joint_mean import joint_mean
 
 _DIVERGED = 1e6
 
@@ -18,8 +19,7 @@ _DIVERGED = 1e6
 class Objective:
     """Geometric mean of the joints' RMS tracking errors, times the square of what the chatter is above its limit.
 
-    The geometric mean asks for no weights between joints, nor between rad and m: ten per cent less error counts the
-    same on each of them. Without a limit of chatter the most accurate law is the one that shakes the arm most, so a
+    The mean is `joint_mean`. Without a limit of chatter the most accurate law is the one that shakes the arm most, so a
     comparison of tuned laws needs one.
 
     Attributes:
@@ -43,8 +43,8 @@ class Objective:
 
     def __call__(self, run: Rollout) -> Array:
         """Its value for each trial, shape (batch,), rad (m); for one that diverged above 1e6, less the later it did."""
-        error = np.maximum(METRICS["rms_error"](run), 1e-300)
-        value = np.exp(np.mean(np.log(error), axis=-1))
+        metric = METRICS["rms_error"]
+        value = joint_mean(metric(run), metric.least)
         if self.chatter_limit is not None:
             excess = METRICS["torque_variation"](run) / np.asarray(self.chatter_limit)
             value = value * np.maximum(1.0, np.max(excess, axis=-1)) ** 2

@@ -12,6 +12,7 @@ from asmc_pin.baselines import shown_label
 from asmc_pin.experiment.law_lookup import load_law
 from asmc_pin.experiment.variation.draws import is_finite
 from asmc_pin.metrics import METRICS
+from asmc_pin.statistics.joint_mean import joint_logs
 from asmc_pin.sweeping.sweep_plan import FAILS_AT, VARIED, SweepPlan
 
 SCORED = tuple(name for name, metric in METRICS.items() if metric.main and metric.best == "smallest")
@@ -21,8 +22,7 @@ SCORED = tuple(name for name, metric in METRICS.items() if metric.main and metri
 class TrialScores:
     """Figures of a sweep; `add` is given the rows block by block.
 
-    The figure of a trial is the geometric mean over the joints: it asks for no weights between joints, nor between rad
-    and m. A run that failed has +∞.
+    The figure of a trial is the `joint_mean`. A run that failed has +∞.
 
     Attributes:
         labels: Controllers as the rows show them.
@@ -61,8 +61,7 @@ class TrialScores:
         draw, point, label, status = (column[name][starts] for name in ("draw", "point", "controller", "status"))
         grid = point < self._plan.variation.grid_points
         for name in SCORED:
-            with np.errstate(divide="ignore"):
-                mean = np.exp(np.add.reduceat(np.log(column[name]), starts) / counts)
+            mean = np.exp(np.add.reduceat(joint_logs(column[name], METRICS[name].least), starts) / counts)
             mean[(status != "ok") | np.isnan(mean)] = np.inf
             for one in self.labels:
                 here = grid & (label == one)

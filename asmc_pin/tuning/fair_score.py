@@ -15,6 +15,7 @@ from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
 from asmc_pin.pages.sweeps.sweep_tables import unit_on
+from asmc_pin.statistics.joint_mean import joint_mean
 from asmc_pin.sweeping.trial_runs import Outcome
 
 CHATTER = "torque_variation"
@@ -113,21 +114,17 @@ class Judge:
 
 def trial_figure(outcome: Outcome, metric: str) -> float:
     """A metric of one trial: its geometric mean over the joints, +∞ for one that failed or where it is not defined."""
-    return joint_mean(outcome.figures, metric, outcome.status)
+    return figure_of(outcome.figures, metric, outcome.status)
 
 
-def joint_mean(figures: Mapping[str, Array], metric: str, status: str) -> float:
+def figure_of(figures: Mapping[str, Array], metric: str, status: str) -> float:
     """The same of the figures of a trial, (nv,)."""
     values = np.asarray(figures[metric], dtype=np.float64)
     if status != "ok" or np.isnan(values).any():
         return float("inf")
-    return _mean(values)
+    return float(joint_mean(values, METRICS[metric].least))
 
 
-def _mean(values: Sequence[float] | Array) -> float:
-    """Geometric mean; +∞ where one is."""
-    values = np.asarray(values, dtype=np.float64)
-    if np.isinf(values).any():
-        return float("inf")
-    with np.errstate(divide="ignore"):
-        return float(np.exp(np.mean(np.log(values))))
+def _mean(figures: Sequence[float]) -> float:
+    """Geometric mean over trials; +∞ where one is."""
+    return float(np.exp(np.mean(np.log(figures))))

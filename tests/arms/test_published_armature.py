@@ -82,6 +82,7 @@ def test_the_command_line_and_experiments_take_the_word(capsys: pytest.CaptureFi
     assert experiment.build_arm().armature.tolist() == [0.028] * 5
 
 
+@pytest.mark.long
 def test_rotors_of_a_simulation_stand_in_every_headline_and_are_never_proposed(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -94,6 +95,7 @@ def test_rotors_of_a_simulation_stand_in_every_headline_and_are_never_proposed(
     assert not any(item.where == "the published rotors" for item in bare.armature_buys)
 
 
+@pytest.mark.long
 def test_a_design_says_what_the_published_rotors_would_allow() -> None:
     bare = design(load_arm("so100"), budget=20.0)
     with_rotors = design(load_arm("so100", armature="published"), budget=20.0, explain=False)

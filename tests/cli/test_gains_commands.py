@@ -163,6 +163,7 @@ def test_without_certify_no_proof_is_spoken_of_and_the_pid_stands_beside_the_gai
     assert gains["pid"]["td"] == pytest.approx(1.0 / (beta + ks))
 
 
+@pytest.mark.long
 def test_a_noise_budget_chooses_the_filter_too(asmc_pin):
     options = (
         "design",

@@ -42,6 +42,7 @@ def test_every_end_and_middle_of_a_place_is_looked_at_once() -> None:
     assert len(carrying(arm, {**LOAD, "mass": 1.0, "com": [0.1, 0.0, 0.0]})) == 1
 
 
+@pytest.mark.long
 def test_the_least_inertia_may_be_that_of_the_middle_of_a_range_of_places() -> None:
     """A payload on both sides of the last axis: on the axis it adds least, which is what M̄ has to bear."""
     arm = load_arm("ur5")

@@ -24,6 +24,8 @@ from asmc_pin.plant import Friction, Plant
 from asmc_pin.sampled.gain_warnings import gain_warnings
 from asmc_pin.sampled.stable_ratios import stable_ratios, stable_words
 
+pytestmark = pytest.mark.xdist_group("test_law_cards")  # they share what `cache` keeps
+
 ARMS: dict[str, tuple[dict[str, Any], list[float], list[float]]] = {
     "two_link": ({}, [0.04, 0.03], [-1.2, 0.3]),
     "ur5": (

@@ -22,6 +22,8 @@ from asmc_pin.identification.plant_tables import plant_tables, plant_text
 from asmc_pin.identification.suspects import suspect
 from asmc_pin.identification.torque_model import point_mass, torque_model
 
+pytestmark = pytest.mark.xdist_group("test_identify")  # they share what `cache` keeps
+
 ARMS = {"ur5": UR5, "so101": SO101}
 
 

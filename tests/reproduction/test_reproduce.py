@@ -366,6 +366,7 @@ def test_tuning_anew_writes_into_the_users_folder_and_runs_what_lies_there(tmp_p
 # The whole ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_one_experiment_can_be_reproduced_by_itself(tmp_path, data):
     name = "baek2016_experiment"
     shares = []

@@ -102,6 +102,7 @@ def test_an_arm_on_which_nothing_is_stable_gives_its_mbar_and_the_reason(two_lin
     assert "M̄ = 0.001" in text
 
 
+@pytest.mark.long
 def test_the_armature_that_is_advised_allows_what_it_is_said_to(two_link: Arm) -> None:
     poor = suggest_gains(two_link, 0.002, 0.004, samples=512)
     assert not (poor.met and poor.useful)
@@ -115,6 +116,7 @@ def test_the_armature_that_is_advised_allows_what_it_is_said_to(two_link: Arm) -
     assert lemma1_norm(workspace_of(heavier, samples=512).mass, np.full(2, 0.002 * (1.0 + 2.0 * share))).max() < 1.0
 
 
+@pytest.mark.long
 def test_so100_has_useful_gains_that_hold_with_gravity() -> None:
     arm = load_arm("so100")
     found = design(arm, explain=False)

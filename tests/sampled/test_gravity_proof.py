@@ -20,6 +20,8 @@ from asmc_pin.sampled import spectral_radius
 from asmc_pin.sampled.frozen_arms import gravity_stiffness
 from asmc_pin.sampled.proof.gravity_proof import Pieces, pieces_of, stiffness_bound
 
+pytestmark = pytest.mark.xdist_group("test_gravity_proof")  # they share what `cache` keeps
+
 LOOPS = [(20.0, 20.0, 1e-3, 0.05, 1.2), (5.0, 40.0, 2e-3, 0.2, 1.6), (1.0, 200.0, 1e-3, 0.03, 1.1)]
 
 

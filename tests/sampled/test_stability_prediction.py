@@ -203,6 +203,7 @@ def test_unstable_gains_draw_one_warning_for_all_laws_that_share_them() -> None:
     assert warnings[1].startswith("BSMC: inside its boundary layer")
 
 
+@pytest.mark.long
 def test_a_steep_boundary_layer_a_delay_and_gravity_each_draw_their_own_warning() -> None:
     arm = load_arm("ur5")
     steep = CONTROLLERS["bsmc"](mbar=UR5_MBAR, ks=10.0, beta=10.0, period=0.001, gain=100.0, boundary=0.02)

@@ -105,6 +105,7 @@ def test_so_few_trials_that_no_test_could_tell_tell_nothing():
     assert ratio_interval(np.linspace(0.1, 0.2, FEWEST), np.ones(FEWEST)).excludes_one
 
 
+@pytest.mark.long
 @settings(deadline=None, max_examples=30)
 @given(st.lists(st.floats(0.1, 10.0), min_size=6, max_size=20), st.integers(0, 3), st.integers(0, 3))
 def test_exchanging_the_laws_inverts_a_ratio_and_keeps_its_p(figures, first_fails, second_fails):

@@ -97,6 +97,7 @@ def test_what_is_there_is_not_run_again_and_the_result_is_the_same_bytes(done, t
     assert files_of(tmp_path / "cut") == files_of(done.out)
 
 
+@pytest.mark.long
 def test_workers_change_nothing(done, tmp_path):
     asmc_pin.bench(out=tmp_path / "two", **{**PART, "workers": 2})
     assert files_of(tmp_path / "two") == files_of(done.out)

@@ -41,6 +41,7 @@ class KillsAWorker:
             os.kill(pids[worker], signal.SIGKILL)
 
 
+@pytest.mark.long
 def test_a_cluster_that_loses_a_worker_in_mid_run_gives_the_bytes_of_one_process(here, tmp_path):
     with dask_cluster(tmp_path, 2) as cluster:
         kills = KillsAWorker(cluster)
@@ -72,6 +73,7 @@ def test_a_lost_scheduler_is_one_message_and_the_sweep_goes_on_elsewhere(here, t
     assert contents(tmp_path / "there") == here
 
 
+@pytest.mark.long
 def test_a_worker_with_other_code_or_a_trial_that_cannot_be_built_ends_it_with_its_name(tmp_path, monkeypatch):
     with dask_cluster(tmp_path, 1) as cluster:
         odd = tiny({"arm.payload": {"normal": [0.6, 0.5]}})

@@ -29,6 +29,7 @@ class Recording:
         q: Shape (T, nv), rad (m where prismatic).
         v: Joint velocities, shape (T, nv), rad/s; None where not logged.
         torque: Torque at the joints, after the gear, shape (T, nv), N·m; None where not logged.
+        acceleration: Measured, within the band of `torque`, shape (T, nv), rad/s²; None where only a model has it.
     """
 
     name: str
@@ -36,6 +37,7 @@ class Recording:
     q: Array
     v: Array | None = None
     torque: Array | None = None
+    acceleration: Array | None = None
 
 
 def read_recording(path: str | Path, arm: Arm) -> Recording:
@@ -81,10 +83,10 @@ def read_recording(path: str | Path, arm: Arm) -> Recording:
 def tde_error(arm: Arm, mbar: Any, recording: Recording, *, period: float | None = None) -> Array:
     """The TDE error N = Γ − Γ̂ that M̄ would have made on recorded motion and torque.
 
-    Γ of (3) is taken from the model, Γ = M⁻¹(τ − C q̇ − g − f) − M̄⁻¹τ, with the friction that the URDF declares, and
-    Γ̂ is Γ one period before (6). No acceleration is differentiated out of the encoder. Two things it is not: the error
-    of the robot itself, as far as the model is wrong; and the error of a loop closed with this M̄, whose torque would
-    have been another one.
+    Γ of (3) is q̈ − M̄⁻¹τ, and Γ̂ is Γ one period before (6). Where the recording has accelerations, they are q̈, and no
+    model is in it. Else q̈ is taken from the model, M⁻¹(τ − C q̇ − g − f), with the friction that the URDF declares, and
+    none is differentiated out of the encoder: then it is not the error of the robot itself, as far as the model is
+    wrong. It never is the error of a loop closed with this M̄, whose torque would have been another one.
 
     Args:
         arm: The arm.
@@ -105,14 +107,18 @@ def tde_error(arm: Arm, mbar: Any, recording: Recording, *, period: float | None
     step = float(np.median(spacing))
     if np.any(np.abs(spacing - step) > 0.01 * step):
         raise ParameterError(
-            "along", f"{recording.name}: its rows are {spacing.min():g} to {spacing.max():g} s apart; resample it"
+            "along",
+            f"{recording.name}: its rows are {spacing.min():g} to {spacing.max():g} s apart; resample it, or have "
+            "'asmc-pin identify ARM LOG --mbar' do it (asmc_pin.mbar_on_log)",
         )
     lag = 1 if period is None else round(period / step)
     if lag < 1 or (period is not None and abs(lag * step - period) > 0.01 * step):
         raise ParameterError("period", f"{period:g} s given, a multiple of the recording's {step:g} s expected")
-    v = recording.v if recording.v is not None else np.gradient(recording.q, recording.time, axis=0)
-    load = arm.bias(recording.q, v) + arm.friction * np.sign(v) + arm.damping * v
-    acceleration = np.linalg.solve(arm.mass_matrix(recording.q), (recording.torque - load)[..., None])[..., 0]
+    acceleration = recording.acceleration
+    if acceleration is None:
+        v = recording.v if recording.v is not None else np.gradient(recording.q, recording.time, axis=0)
+        load = arm.bias(recording.q, v) + arm.friction * np.sign(v) + arm.damping * v
+        acceleration = np.linalg.solve(arm.mass_matrix(recording.q), (recording.torque - load)[..., None])[..., 0]
     gamma = acceleration - recording.torque / values
     error = np.full_like(gamma, np.nan)
     error[lag:] = gamma[lag:] - gamma[:-lag]

@@ -7,14 +7,16 @@ from collections.abc import Iterator
 import numpy as np
 
 from asmc_pin.pages.benches.bench_findings import BenchFindings
+from asmc_pin.pages.sweeps.sweep_tables import AT_LEAST
 from asmc_pin.pages.tables.text_table import Table, number
 from asmc_pin.statistics.over_tasks import performance_ratios
 
 HOW_RANKED = (
     "A problem is an arm with a task. Figure of a law on a problem: median over its held-out trials of the geometric "
-    "mean over the joints; ∞ where most trials failed, or no gains that were tried kept the limit. Rank 1 is the best "
-    "law of a problem; equal figures, failures among them, share a rank. In brackets the 95 % interval (BCa) of the "
-    "mean rank over which problems it might have been. Best in: problems in which the law is the first."
+    f"mean over the joints ({AT_LEAST}); ∞ where most trials failed, or no gains that were tried kept the limit. "
+    "Rank 1 is the best law of a problem; equal figures, failures among them, share a rank. In brackets the 95 % "
+    "interval (BCa) of the mean rank over which problems it might have been. Best in: problems in which the law is the "
+    "first."
 )
 HOW_FAILED = (
     "Figure over that of the best law on the problem. Failed: no figure, since most held-out trials failed. Limit: no "

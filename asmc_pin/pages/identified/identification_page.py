@@ -10,8 +10,11 @@ from matplotlib.figure import Figure
 
 from asmc_pin.disk.files import write_whole
 from asmc_pin.identification.identification_report import Identification
+from asmc_pin.identification.mbar_along_log import MbarAlongLog
+from asmc_pin.log_rerun import LawOnLog
 from asmc_pin.pages.figure_style import GREY, PAGE, paper_style
 from asmc_pin.pages.html_fragments import scroll, table_html
+from asmc_pin.pages.identified.hindsight_section import hindsight_sections
 from asmc_pin.pages.plates import Plate, framed, is_html, write_beside
 from asmc_pin.pages.tables.text_table import Table, markdown_table
 from asmc_pin.words.media import for_figure, for_html, for_markdown
@@ -19,12 +22,20 @@ from asmc_pin.words.media import for_figure, for_html, for_markdown
 _BLUE, _OUT = "#0072B2", "#F3E3C3"
 
 
-def write_identification_page(found: Identification, path: str | Path) -> None:
+def write_identification_page(
+    found: Identification,
+    path: str | Path,
+    *,
+    along: MbarAlongLog | None = None,
+    ran: LawOnLog | None = None,
+) -> None:
     """Write the page.
 
     Args:
         found: What `identify` found.
         path: Ends in ``.html`` (one file) or in ``.md`` (figures as PNG files beside it).
+        along: What an M̄ would have done along the log, of `mbar_on_log`.
+        ran: What a law did in the log's place, of `law_on_log`.
 
     Raises:
         ParameterError: Another suffix.
@@ -35,6 +46,7 @@ def write_identification_page(found: Identification, path: str | Path) -> None:
         Plate("torque", torque_figure(found), _TORQUE + (_SHADED if found.fit is not None else "")),
         Plate("residual", residual_figure(found), _RESIDUAL),
     ]
+    after = hindsight_sections(along, ran)
     title = f"Is the URDF of {found.arm.name} right?"
     left = Table("", *found.table())
     estimates = Table("", *found.table_of_estimates()) if found.parameters else None
@@ -55,9 +67,13 @@ def write_identification_page(found: Identification, path: str | Path) -> None:
                 scroll("Estimates", table_html(estimates, {})),
             ]
         body += [f"<p>{for_html(line)}</p>" for line in remarks]
+        for section in after:
+            body += [f"<h2>{for_html(section.title)}</h2>", *(f"<p>{for_html(line)}</p>" for line in section.lines)]
+            body.append(scroll(section.title, table_html(section.table, {})))
+            body += [plate.html() for plate in section.plates]
         write_whole(path, framed(title, body, player=False))
         return
-    write_beside(path, plates)
+    write_beside(path, [*plates, *(plate for section in after for plate in section.plates)])
     lines = [f"# {for_markdown(title)}", "", *(f"- {for_markdown(line)}" for line in found.lines())]
     lines += ["", "## What is left of each joint's torque", "", for_markdown(_STAGES), "", markdown_table(left)]
     for plate in plates:
@@ -65,6 +81,11 @@ def write_identification_page(found: Identification, path: str | Path) -> None:
     if estimates is not None:
         lines += ["", "## Estimates, 95 %", "", markdown_table(estimates)]
     lines += ["", *(f"- {for_markdown(line)}" for line in remarks)]
+    for section in after:
+        lines += ["", f"## {for_markdown(section.title)}", "", *(f"- {for_markdown(line)}" for line in section.lines)]
+        lines += ["", markdown_table(section.table)]
+        for plate in section.plates:
+            lines += plate.markdown(f"{path.stem}_")
     write_whole(path, "\n".join(lines) + "\n")
 
 

@@ -11,6 +11,7 @@ from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.metrics import METRICS
 from asmc_pin.pages.tables.text_table import number
 from asmc_pin.results.ensemble_summary import ends, failed_words, failures, figures_by_trial, labels_of, paired
+from asmc_pin.statistics.joint_mean import joint_mean
 from asmc_pin.statistics.order_statistics import spread_of
 from asmc_pin.statistics.pairwise import PairedComparison
 
@@ -105,14 +106,13 @@ def _by_pairs(pairs: list[PairedComparison], figure: str) -> str:
 
 def _by_medians(summary: pd.DataFrame, name: str, figure: str) -> str:
     """Of single runs the order alone: there is nothing to be certain by."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        medians = spread_of(np.moveaxis(figures_by_trial(summary, name), 1, 0)).median
-        mean = np.exp(np.mean(np.log(medians), axis=1))
+    medians = spread_of(np.moveaxis(figures_by_trial(summary, name), 1, 0)).median
+    mean = joint_mean(medians, METRICS[name].least)
     order = [k for k in np.argsort(mean) if np.isfinite(mean[k])]
     labels = labels_of(summary)
     if not order:
         return ""
-    if len(order) == 1 or not mean[order[1]] > 0.0:
+    if len(order) == 1:
         return f"{labels[order[0]]} ({figure}). One run each: how sure that is, is not known."
     share = number(float(mean[order[0]] / mean[order[1]]))
     return (

@@ -13,9 +13,11 @@ from asmc_pin.pages.sweeps.sweep_findings import FAILURE, Compared, SweepFinding
 from asmc_pin.pages.tables.text_table import NOTHING, Table, number
 from asmc_pin.statistics.order_statistics import spread_of
 
+AT_LEAST = "a joint below 1e-6, 1e-12 for a square, counts as that"
+"""What `asmc_pin.statistics.joint_mean` does, for the notes under tables."""
 HOW_SCORED = (
-    "The figure of a trial is the geometric mean over the joints, in SI units. Median, and in brackets the 5 % and "
-    "95 % quantiles over the trials; a run that failed is worse than any figure (∞) and never left out."
+    f"The figure of a trial is the geometric mean over the joints, in SI units ({AT_LEAST}). Median, and in brackets "
+    "the 5 % and 95 % quantiles over the trials; a run that failed is worse than any figure (∞) and never left out."
 )
 HOW_COMPARED = (
     "Trials are paired: in each, all controllers meet the same plant, start, noise and motion. The ratio is the better "

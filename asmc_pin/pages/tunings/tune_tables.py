@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 
 from asmc_pin.metrics import METRICS
-from asmc_pin.pages.sweeps.sweep_tables import spread_text, unit_on
+from asmc_pin.pages.sweeps.sweep_tables import AT_LEAST, spread_text, unit_on
 from asmc_pin.pages.tables.text_table import Table, number
 from asmc_pin.pages.tunings.tune_findings import TunedController, TuneFindings
 
 HOW_JUDGED = (
-    "Train: geometric mean over joints and training trials. Held out: median, and in brackets the 5 % and 95 % "
-    "quantiles, of trials that no gain was chosen on; a run that failed is worse than any figure (∞) and never left "
-    "out. Tuned / file: geometric mean of the ratio over the held-out draws with its 95 % interval (BCa); the median "
-    "where failures make it infinite. Over: held-out trials beyond a limit, or "
+    f"Train: geometric mean over joints and training trials ({AT_LEAST}). Held out: median, and in brackets the 5 % "
+    "and 95 % quantiles, of trials that no gain was chosen on; a run that failed is worse than any figure (∞) and "
+    "never left out. Tuned / file: geometric mean of the ratio over the held-out draws with its 95 % interval (BCa); "
+    "the median where failures make it infinite. Over: held-out trials beyond a limit, or "
     "failed; gains of the file that break a limit may well have less error than the best that keep it."
 )
 HOW_COMPARED = (

@@ -1,16 +1,18 @@
 """One tick of all trials under commands that are given, compiled: for a law in numpy, which is asked at every tick.
 
-What crosses from Python is arrays alone, as few as can be: numba looks at a tuple's every member, which takes longer
-than the tick of a trial. The log of some ticks stays together until it is spread over the histories, a trial's at a
-time: a tick that writes to each history by itself touches another page of memory for each trial and history.
+What crosses from Python is the number of the tick and one table of arrays, which are made once: numba looks at all that
+it is handed, which for these arrays takes longer than the tick of a trial. The log of some ticks stays together until
+it is spread over the histories, a trial's at a time: a tick that writes to each history by itself touches another page
+of memory for each trial and history.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from asmc_pin._typing import Array, BoolArray, IntArray
+from asmc_pin._typing import Array, IntArray
 from asmc_pin.controllers.one_trial.compiled_tde import surface
+from asmc_pin.numerics.array_table import floats1, floats2, floats3, floats4, whole1, whole2
 from asmc_pin.numerics.short_loops import inlined, short_loops, with_room
 from asmc_pin.plant.compiled_run.one_period import advance, hold, observe, within
 from asmc_pin.plant.compiled_run.run_rows import (
@@ -18,24 +20,44 @@ from asmc_pin.plant.compiled_run.run_rows import (
     BEGAN_V,
     EXTERNAL,
     FRICTION,
-    SCRATCH_ROWS,
-    SQUARES,
     TORQUE,
     Q,
     Setup,
     V,
 )
 from asmc_pin.plant.compiled_run.run_ticks import Histories
-from asmc_pin.rigid_body.dynamics import ROOM
 
-LOGGED = len(Histories._fields)
-"""Rows of a trial's log at a tick: those of `Histories`, in their order."""
-
-GAIN = Histories._fields.index("gain")
-"""The row that a law's gain is written to, from outside."""
-
-LOG_TICKS = 16
-"""Ticks of a log: few enough for a cache, enough for the histories to be written in runs."""
+# Rows of the table: what belongs to the run and its trials, with shapes as in `Inputs` and `Trials`, but a command and
+# a gain of the law for each trial, (batch, nv), noise of one tick, (batch, 3, nv), and the log, (ticks, batch, rows,
+# nv); then where a history stands in the log, −1 for one that is not written; then what belongs to one arm.
+(
+    NUMBERS,
+    COMMAND,
+    TOLD_GAIN,
+    KS,
+    Q_REF,
+    V_REF,
+    SHARES,
+    LOADS,
+    OWN_LOADS,
+    NOISE,
+    PLANT,
+    STATE,
+    DRIVE,
+    SENSOR,
+    SEEN,
+    STOPPED_AT,
+    LOG,
+    PLACES,
+    PARENT,
+    BODY,
+    GRAVITY,
+    ROWS,
+    SCRATCH,
+    ROOM_OF_LINKS,
+    ROOM_OF_SQUARES,
+    SIGNS,
+) = range(26)
 
 
 @inlined
@@ -63,14 +85,30 @@ def _setup_of(numbers: Array) -> Setup:
 
 @inlined
 def _note(
-    log: Array, q: Array, v: Array, seen: Array, state: Array, ks: Array, q_ref: Array, v_ref: Array, k: int
+    log: Array,
+    places: IntArray,
+    q: Array,
+    v: Array,
+    seen: Array,
+    state: Array,
+    ks: Array,
+    gain: Array,
+    q_ref: Array,
+    v_ref: Array,
+    k: int,
 ) -> None:
-    """What happened in a period, in the rows of `Histories`."""
+    """What happened in a period, at the places of `Histories`."""
     for i in range(q.size):
         log[0, i], log[1, i], log[2, i], log[3, i] = q[i], v[i], state[TORQUE, i], state[FRICTION, i]
-        log[4, i], log[5, i], log[6, i] = seen[0, i], seen[1, i], seen[2, i]
-        log[7, i] = state[EXTERNAL, i]
-        log[8, i] = surface(ks[i], seen[0, i], seen[1, i], q_ref[k, i], v_ref[k, i])
+        if places[4] >= 0:
+            log[places[4], i], log[places[5], i] = seen[0, i], seen[1, i]
+        log[places[6], i] = seen[2, i]
+        if places[7] >= 0:
+            log[places[7], i] = state[EXTERNAL, i]
+        if places[8] >= 0:
+            log[places[8], i] = surface(ks[i], seen[0, i], seen[1, i], q_ref[k, i], v_ref[k, i])
+        if places[9] >= 0:
+            log[places[9], i] = gain[i]
 
 
 @inlined
@@ -93,7 +131,9 @@ def _one_trial(
     sensor: Array,
     seen: Array,
     log: Array,
+    places: IntArray,
     ks: Array,
+    gain: Array,
     scratch: Array,
     room: Array,
     squares: Array,
@@ -110,7 +150,7 @@ def _one_trial(
             setup, parent, body, gravity, older_share, loads, own_loads, 0,
             plant, state, drive, scratch, room, squares, signs,
         )  # fmt: skip
-        _note(log, q, v, seen, state, ks, q_ref, v_ref, k)
+        _note(log, places, q, v, seen, state, ks, gain, q_ref, v_ref, k)
     if k + 1 < len(q_ref):
         if not within(setup, state, q_ref, k + 1):
             return k + 1
@@ -119,58 +159,45 @@ def _one_trial(
 
 
 @with_room
-def run_commands(
-    k: int,
-    command: Array,
-    numbers: Array,
-    parent: IntArray,
-    body: Array,
-    gravity: Array,
-    q_ref: Array,
-    v_ref: Array,
-    older_share: Array,
-    loads: Array,
-    own_loads: Array,
-    noise: Array,
-    plant: Array,
-    state: Array,
-    drive: Array,
-    sensor: Array,
-    seen: Array,
-    active: BoolArray,
-    stopped_at: IntArray,
-    log: Array,
-    ks: Array,
-    rows: IntArray,
-) -> int:
-    """Carry trials over the period of tick k under given commands, (batch, nv), and look at the next tick.
+def run_commands(k: int, table: IntArray, told: Array) -> int:
+    """Carry trials over the period of tick k under given commands, and look at the next tick.
 
-    For k = −1 only tick 0 is looked at. The log is (LOG_TICKS, batch, LOGGED, nv), of which tick k writes its own;
-    `numbers` are the fields of `Setup`; the other arguments are fields of what `run_law` takes, the noise that of the
-    next tick.
+    Args:
+        k: The tick; −1 to look at tick 0 alone.
+        table: `ArrayTable.rows` of all that the trials of one arm need, in the order of the rows above.
+        told: Written: what is reported at the next tick, (3, batch, nv), of these trials.
 
     Returns:
         How many of the trials run.
     """
-    nv = command.shape[1]
-    scratch, room, nothing = np.empty((SCRATCH_ROWS, nv)), np.empty((nv, ROOM)), np.zeros((3, nv))
-    squares, signs = np.zeros((SQUARES, nv, nv)), np.empty((2, nv), np.int64)
-    setup, at, running = _setup_of(numbers), k % LOG_TICKS, 0
-    for trial in rows:
-        if active[trial]:
+    setup, ticks, running = _setup_of(floats1(table, NUMBERS)), len(floats2(table, Q_REF)), 0
+    command, gain, ks = floats2(table, COMMAND), floats2(table, TOLD_GAIN), floats1(table, KS)
+    q_ref, v_ref, older_share = floats2(table, Q_REF), floats2(table, V_REF), floats1(table, SHARES)
+    loads, own_loads, noise = floats2(table, LOADS), floats3(table, OWN_LOADS), floats3(table, NOISE)
+    plant, state, drive = floats3(table, PLANT), floats3(table, STATE), floats3(table, DRIVE)
+    sensor, seen, stopped_at = floats3(table, SENSOR), floats3(table, SEEN), whole1(table, STOPPED_AT)
+    log, places = floats4(table, LOG), whole1(table, PLACES)
+    parent, body, gravity = whole1(table, PARENT), floats2(table, BODY), floats1(table, GRAVITY)
+    scratch, room, squares = floats2(table, SCRATCH), floats2(table, ROOM_OF_LINKS), floats3(table, ROOM_OF_SQUARES)
+    signs, nothing = whole2(table, SIGNS), np.zeros((3, command.shape[1]))
+    at = k % len(log)
+    for trial in whole1(table, ROWS):
+        if stopped_at[trial] == ticks:
             stop = _one_trial(
                 k, command[trial], setup, parent, body, gravity, q_ref, v_ref, older_share, loads,
-                own_loads[trial] if own_loads.size else nothing[:0], noise[trial, 0] if noise.size else nothing,
-                plant[trial], state[trial], drive[trial], sensor[trial], seen[trial], log[at, trial], ks,
-                scratch, room, squares, signs,
+                own_loads[trial] if own_loads.size else nothing[:0], noise[trial] if noise.size else nothing,
+                plant[trial], state[trial], drive[trial], sensor[trial], seen[trial], log[at, trial], places, ks,
+                gain[trial], scratch, room, squares, signs,
             )  # fmt: skip
             if stop < 0:
                 running += 1
             else:
-                active[trial] = False
                 stopped_at[trial] = stop
                 state[trial] = 0.0
                 seen[trial] = 0.0
+        for row in range(3):
+            for i in range(seen.shape[2]):
+                told[row, trial, i] = seen[trial, row, i]
     return running
 
 
@@ -183,10 +210,10 @@ def _spread_one(log: Array, row: int, trial: int, history: Array, begin: int, en
 
 
 @short_loops
-def spread(log: Array, begin: int, end: int, stopped_at: IntArray, histories: Histories) -> None:
+def spread(log: Array, places: IntArray, begin: int, end: int, stopped_at: IntArray, histories: Histories) -> None:
     """Write the log of ticks from `begin` on to the histories; of a trial that stopped, the ticks before it."""
     for trial in range(log.shape[1]):
         last = min(end, stopped_at[trial])
-        for row, history in enumerate(histories):
-            if history.size:
-                _spread_one(log, row, trial, history, begin, last)
+        for number, history in enumerate(histories):
+            if places[number] >= 0:
+                _spread_one(log, places[number], trial, history, begin, last)

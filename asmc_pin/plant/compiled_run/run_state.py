@@ -10,8 +10,9 @@ import numpy as np
 
 from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.controllers.protocol import Sample, Setpoint
+from asmc_pin.numerics.array_table import ArrayTable
 from asmc_pin.plant.compiled_run.held_dynamics import held_bodies
-from asmc_pin.plant.compiled_run.one_tick import LOG_TICKS, LOGGED, run_commands
+from asmc_pin.plant.compiled_run.one_tick import LOADS, NOISE, OWN_LOADS, run_commands
 from asmc_pin.plant.compiled_run.run_rows import (
     BACKWARD,
     BREAK_BACKWARD,
@@ -28,7 +29,9 @@ from asmc_pin.plant.compiled_run.run_rows import (
     REMAINING,
     SCALE,
     SCHEMES,
+    SCRATCH_ROWS,
     SPEED_LIMIT,
+    SQUARES,
     STATE_ROWS,
     STOP_DAMPING,
     STOP_LOWER,
@@ -44,7 +47,7 @@ from asmc_pin.plant.compiled_run.run_ticks import Histories, Inputs, Trials, run
 from asmc_pin.plant.drive.drive_parameters import FOLDBACK
 from asmc_pin.plant.plant_state import Motion
 from asmc_pin.plant.sensor.compiled_sensor import HISTORY
-from asmc_pin.rigid_body.dynamics import Bodies
+from asmc_pin.rigid_body.dynamics import ROOM, Bodies
 
 # Trials a thread is worth starting for.
 TRIALS_PER_THREAD = 8
@@ -71,9 +74,18 @@ class CompiledRun:
         motion: The trials as they begin.
         wanted: The reference, fields of shape (T, nv).
         histories: What is written, by the names of `Histories`; the others are not.
+        ks: K_s with which s is logged where the law is asked at every tick, a scalar or (nv,).
+        log_ticks: How many ticks are logged then before they are spread over the histories.
     """
 
-    def __init__(self, motion: Motion, wanted: Setpoint, histories: dict[str, Array]) -> None:
+    def __init__(
+        self,
+        motion: Motion,
+        wanted: Setpoint,
+        histories: dict[str, Array],
+        ks: Array | None = None,
+        log_ticks: int = 0,
+    ) -> None:
         self._motion, self._wanted = motion, wanted
         self._pool: ThreadPoolExecutor | None = None
         batch, nv = motion.q.shape
@@ -94,10 +106,31 @@ class CompiledRun:
             np.full(batch, self._ticks),
         )
         self._shares = np.zeros(self._setup.substeps) if actuator is None else np.array(actuator.older_share)
+        self._command, self._gain = np.zeros((2, batch, nv))
+        self._places, self._log = _log_of(self._histories, log_ticks, batch, nv)
+        self._common = [
+            np.array(self._setup, dtype=np.float64),
+            self._command,
+            self._gain,
+            np.zeros(nv) if ks is None else np.array(np.broadcast_to(ks, (nv,))),
+            wanted.q,
+            wanted.v,
+            self._shares,
+            _NO_ROWS,
+            _NO_TRIALS,
+            _NO_TRIALS,
+            *self._trials[:5],
+            self._trials.stopped_at,
+            self._log,
+            self._places,
+        ]
+        self._changing = motion.loads is not None or (sensing is not None and sensing.noisy)
         self._groups: list[tuple[Bodies, IntArray]] = []
+        self._tables: list[ArrayTable] = []
         self._regroup(0)
-        self._numbers = np.array(self._setup, dtype=np.float64)
-        self._look(-1, np.zeros((batch, nv)), np.empty((LOG_TICKS, batch, LOGGED, nv)), np.zeros(nv))
+        self._shape = 3, batch, nv
+        self._look(-1)
+        self._trials.active[:] = self.stopped_at == self._ticks
         self._blank_stopped()
 
     @property
@@ -112,9 +145,8 @@ class CompiledRun:
 
     def sample(self) -> Sample:
         """What the drives report at this tick; read-only."""
-        seen = self._trials.seen.copy()
-        seen.setflags(write=False)
-        return Sample(seen[:, 0], seen[:, 1], seen[:, 2])
+        self._told.setflags(write=False)
+        return Sample(*self._told)
 
     def follow_law(
         self, step: int, law: Array, memory: Array, gain: int | None, ks: Array | None, begin: int, end: int
@@ -144,12 +176,35 @@ class CompiledRun:
         self._on_threads(run_law, [(*numbers, *bodies, *given, rows) for bodies, rows in self._jobs()])
         return end
 
-    def _look(self, k: int, command: Array, log: Array, ks: Array) -> int:
-        """Hold a command over the period of tick k, and look at the next one: `run_commands`; how many trials run."""
-        inputs = self._inputs(k, 1, ahead=True)
-        given = (inputs.q_ref, inputs.v_ref, *inputs[3:], *self._trials, log, ks)
-        jobs = [(k, command, self._numbers, *bodies, *given, rows) for bodies, rows in self._jobs()]
-        return sum(self._on_threads(run_commands, jobs))
+    def _look(self, k: int) -> int:
+        """Hold the command over the period of tick k, and look at the next one: `run_commands`; how many trials run."""
+        if not self._tables:
+            self._tables = [self._table_of(*job) for job in self._jobs()]
+        if self._changing:
+            inputs = self._inputs(k, 1, ahead=True)
+            for row, array in ((LOADS, inputs.loads), (OWN_LOADS, inputs.own_loads), (NOISE, inputs.noise[:, 0])):
+                if array.size:
+                    self._hand_over(row, array)
+        self._told = told = np.empty(self._shape)  # anew at every tick, since a law may keep what it was told
+        if len(self._tables) == 1:
+            running: int = run_commands(k, self._tables[0].rows, told)
+            return running
+        return sum(self._on_threads(run_commands, [(k, table.rows, told) for table in self._tables]))
+
+    def _hand_over(self, row: int, array: Array) -> None:
+        """Write what comes from outside in a period where the tables have it."""
+        if self._common[row].shape == array.shape:
+            self._common[row][...] = array
+            return
+        self._common[row] = np.array(array, order="C")
+        for table in self._tables:
+            table.put(row, self._common[row])
+
+    def _table_of(self, bodies: Bodies, rows: IntArray) -> ArrayTable:
+        """What `run_commands` takes for the trials of one arm."""
+        nv = self._command.shape[1]
+        room = np.empty((SCRATCH_ROWS, nv)), np.empty((nv, ROOM)), np.zeros((SQUARES, nv, nv))
+        return ArrayTable([*self._common, *bodies, rows, *room, np.empty((2, nv), np.int64)])
 
     def _blank_stopped(self) -> None:
         """Make the histories of a trial that stopped NaN from that tick on."""
@@ -197,9 +252,16 @@ class CompiledRun:
         members: dict[int, list[int]] = {}
         for trial in range(len(self.active)):
             members.setdefault(id(arms[trial % len(arms)]), []).append(trial)
+        self._tables = []
         self._groups = [
             (held_bodies(arms[rows[0] % len(arms)]), np.array(rows, dtype=np.int64)) for rows in members.values()
         ]
+
+
+def _log_of(histories: Histories, ticks: int, batch: int, nv: int) -> tuple[IntArray, Array]:
+    """Where each history stands in the log of `run_commands`, −1 for one that is not written; and that log."""
+    written = np.array([history.size > 0 for history in histories])
+    return np.where(written, np.cumsum(written) - 1, -1), np.empty((max(ticks, 1), batch, int(written.sum()), nv))
 
 
 def _setup_of(motion: Motion) -> Setup:

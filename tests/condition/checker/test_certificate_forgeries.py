@@ -29,6 +29,8 @@ from asmc_pin.condition.checker import check
 from asmc_pin.errors import ResultError
 from asmc_pin.experiment import load_experiment
 
+pytestmark = pytest.mark.xdist_group("test_certificate_forgeries")  # they share what `cache` keeps
+
 SHARES = 40
 """The mutations are dealt into so many hands, of which the quick suite plays one, `make test-all` a third
 and `make soundness` all."""
