@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from asmc_pin.arms import arm_names as arm_names
     from asmc_pin.arms import load_arm as load_arm
     from asmc_pin.arms.arm_options import Unchanged as Unchanged
+    from asmc_pin.arms.robot_limits import PublishedLimit as PublishedLimit
+    from asmc_pin.arms.robot_limits import RobotLimits as RobotLimits
     from asmc_pin.arms.sources.robot_files import RobotFiles as RobotFiles
     from asmc_pin.arms.urdf.urdf_reading import Mimic as Mimic
     from asmc_pin.baselines import BASELINES as BASELINES
@@ -91,6 +93,7 @@ if TYPE_CHECKING:
     from asmc_pin.experiment.variation.axes import Variation as Variation
     from asmc_pin.experiment.variation.axes import VariedKey as VariedKey
     from asmc_pin.experiment.variation.draws import Distribution as Distribution
+    from asmc_pin.exploring import explore as explore
     from asmc_pin.identification.estimates import Estimate as Estimate
     from asmc_pin.identification.excitation import Confusion as Confusion
     from asmc_pin.identification.filtered_motion import FilteredMotion as FilteredMotion
@@ -113,6 +116,8 @@ if TYPE_CHECKING:
     from asmc_pin.metrics import METRICS as METRICS
     from asmc_pin.metrics import Metric as Metric
     from asmc_pin.metrics import MetricSettings as MetricSettings
+    from asmc_pin.metrics import Trip as Trip
+    from asmc_pin.metrics import TripLimits as TripLimits
     from asmc_pin.metrics import evaluate as evaluate
     from asmc_pin.pages.benches.bench_findings import BenchFindings as BenchFindings
     from asmc_pin.pages.sweeps.sweep_findings import Compared as Compared

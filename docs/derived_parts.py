@@ -16,6 +16,7 @@ from law_oracles import ORACLES
 
 from asmc_pin.arms import ARMS
 from asmc_pin.arms.published_armature import PUBLISHED_ARMATURE
+from asmc_pin.arms.robot_limits import LIMITED_QUANTITIES, ROBOT_LIMITS
 from asmc_pin.baselines import BASELINES, ModelLaw
 from asmc_pin.baselines.model_card import LIMITS, model_card
 from asmc_pin.cli.commands.listing_commands import arm_rows, controller_rows, metric_rows
@@ -141,6 +142,25 @@ def published_armature() -> str:
         values = ", ".join(f"{code(joint)} {value:.9g}" for joint, value in known.armature.items())
         rows.append([code(name), values, prose(known.source), prose(known.certainty)])
     return table(["name", "reflected inertia, kg·m²", "source", "how sure"], rows)
+
+
+@part("robot-limits")
+def robot_limits() -> str:
+    """docs/plant.md: what is published of each robot, and where."""
+    rows = []
+    for name, robot in ROBOT_LIMITS.items():
+        sources: dict[str, list[str]] = {}
+        cells = []
+        for key, (words, _) in LIMITED_QUANTITIES.items():
+            limit = robot.published.get(key)
+            cells.append("not published" if limit is None else ", ".join(f"{x:.4g}" for x in limit.values))
+            if limit is not None:
+                sources.setdefault(limit.source, []).append(words)
+        said = "; ".join(f"{', '.join(words)}: {source}" for source, words in sources.items())
+        rows.append([code(name), prose(robot.robot), *cells, prose(said)])
+    return table(
+        ["name", "robot", *(f"{words}, {unit}" for words, unit in LIMITED_QUANTITIES.values()), "sources"], rows
+    )
 
 
 @part("metric-definitions")

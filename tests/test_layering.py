@@ -49,7 +49,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "arms": {"rigid_body"},
     "controllers": {"parameters", "numerics"},
     "baselines": {"arms", "controllers", "parameters"},  # laws that may know the arm, to compare with
-    "references": {"arms", "controllers", "parameters"},
+    "references": {"arms", "controllers", "parameters", "logs"},
     "condition": {"arms", "logs", "references", "rigid_body", "numerics"},
     "sampled": {"arms", "controllers", "references", "condition", "parameters", "rigid_body", "numerics"},
     "identification": {"arms", "logs", "condition"},
@@ -98,6 +98,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "condition.hypotheses",
         "plant",
         "engine",
+        "metrics",
         "experiment",
     },
     "pages": {
@@ -116,6 +117,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "viewer",
         "statistics",
     },
+    "exploring": {"arms", "condition", "rigid_body", "viewer", "pages"},
 }
 EVERYTHING = {*MAY_IMPORT, "package"}
 MAY_IMPORT["study"] = EVERYTHING
@@ -146,6 +148,7 @@ KNOW_THE_MODEL = {
 # Libraries with one home, so that what it costs to change them is known.
 HOME = {
     "pinocchio": {"arms", "plant"},
+    "coal": {"exploring"},
     "meshcat": {"viewer"},
     "matplotlib": {"pages", "reproduction"},
     "cvxpy": {"condition", "identification"},

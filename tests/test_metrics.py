@@ -8,7 +8,7 @@ from paths import DOCS
 
 from asmc_pin.engine import Rollout
 from asmc_pin.errors import ParameterError
-from asmc_pin.metrics import METRICS, QUANTITIES, MetricSettings, evaluate
+from asmc_pin.metrics import METRICS, QUANTITIES, MetricSettings, TripLimits, evaluate, first_trip
 from asmc_pin.words.media import for_cell
 
 PAGE = DOCS / "metrics.md"
@@ -145,6 +145,53 @@ def test_steps_as_fast_as_the_limit_are_within_it_however_they_are_rounded():
     assert figure("torque_rate_ticks", run(201, torque=torque), torque_rate_limit=99.9) == 199.0
 
 
+ROBOT = TripLimits(torque=np.array([5.0, 5.0]), torque_rate=np.array([2000.0, np.inf]), velocity=1.0)
+
+
+def trips(**signals):
+    """What would have stopped a robot of two joints, its time and the metric's, in a run of 6 ticks of 1 ms."""
+    rollout = run(6, nv=2, **{"torque": np.zeros((6, 2)), "v": np.zeros((6, 2)), **signals})
+    return METRICS["trip_time"](rollout, MetricSettings(trips=ROBOT)), first_trip(rollout, ROBOT)
+
+
+def at(tick, joint, value):
+    signal = np.zeros((6, 2))
+    signal[tick:, joint] = value
+    return signal
+
+
+def test_a_robot_trips_at_the_first_tick_that_is_beyond_what_it_takes_and_says_by_what():
+    times, trip = trips(v=at(3, 1, -1.5))
+    assert np.isnan(times[0, 0])
+    assert times[0, 1] == pytest.approx(0.003)
+    assert (trip.quantity, trip.joint, trip.value, trip.limit, trip.trial) == ("velocity", 1, 1.5, 1.0, 0)
+    assert trip.time == times[0, 1]
+    # 5.5 N·m at once: 5500 N·m/s, which joint 0 does not take and of joint 1 is not published.
+    times, trip = trips(torque=at(2, 0, 5.5))
+    assert (trip.quantity, trip.time, trip.limit) == ("torque_rate", pytest.approx(0.002), 2000.0)
+    assert trip.value == pytest.approx(5500.0)
+    times, trip = trips(torque=at(2, 1, 5.5))
+    assert (trip.quantity, trip.value, trip.time) == ("torque", 5.5, pytest.approx(0.002))
+    # What is as large as the limit is within it, and the torque of the last tick acts after the end.
+    assert trips(torque=at(1, 1, 5.0), v=at(1, 0, 1.0))[1] is None
+    assert trips(torque=at(5, 1, 100.0))[1] is None
+
+
+def test_of_several_limits_the_first_counts_and_without_a_robot_there_is_no_time():
+    signals = {"torque": at(4, 1, 6.0), "v": at(2, 0, 2.0)}
+    assert trips(**signals)[1].quantity == "velocity"
+    assert np.isnan(METRICS["trip_time"](run(6, nv=2, **signals), MetricSettings())).all()
+
+
+def test_a_trial_that_diverged_counts_as_tripped_when_it_did_at_the_latest():
+    v = at(2, 0, 2.0)
+    rollout = run(6, batch=2, nv=2, v=np.stack([v, np.zeros((6, 2))]), status=("diverged", "diverged"))
+    rollout = dataclasses.replace(rollout, end_time=np.array([0.004, 0.004]))
+    times = METRICS["trip_time"](rollout, MetricSettings(trips=ROBOT))
+    np.testing.assert_allclose(times, [[0.002, 0.004], [0.004, 0.004]])
+    assert np.isnan(METRICS["trip_time"](rollout, MetricSettings())).all()
+
+
 def test_a_dent_of_one_tick_in_a_steady_torque_is_power_and_no_rounding():
     # Its spectrum is flat: above a cutoff lies the part of the frequencies that is above it.
     torque = np.full(2001, 10.0)
@@ -234,7 +281,8 @@ def test_a_diverged_trial_has_no_figures_and_leaves_its_neighbour_alone():
     values = evaluate(run(batch=2, q=q, gain=np.zeros((2, 1001, 1)), status=("ok", "diverged")))
     assert set(values) == set(METRICS)
     assert all(np.isnan(item[1]).all() for item in values.values())
-    assert all(np.isfinite(item[0]).all() for name, item in values.items() if name != "settling_time")
+    undefined = {"settling_time", "trip_time"}  # it ends outside the band, and no robot is named
+    assert all(np.isfinite(item[0]).all() for name, item in values.items() if name not in undefined)
 
 
 def test_settings_refuse_what_has_no_meaning():

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from asmc_pin.arms import Arm
+from asmc_pin.arms.robot_limits import LIMITED_QUANTITIES
 from asmc_pin.condition.checker import check
 from asmc_pin.condition.checker.loop_conclusion import LoopConclusion
 from asmc_pin.condition.hypotheses import Hypotheses
@@ -38,8 +39,24 @@ def provenance_lines(
         f"arm: {arm.name}, SHA-256 of its URDF {arm.sha256}",
         f"law, as defaults and table of the controller give it; its period is {law.period!r} s:",
         *(f"  {line}" for line in gains.strip().split("\n")),
+        *_robot(experiment),
         *_certified(certificate, arm, law),
     ]
+
+
+def _robot(experiment: Experiment) -> list[str]:
+    robot = experiment.robot_limits
+    if robot is None:
+        return []
+    lines = [f"limits of torque and torque rate: within those published of {robot.robot}, or tighter where asked for:"]
+    for name, (words, unit) in LIMITED_QUANTITIES.items():
+        limit = robot.published.get(name)
+        if limit is None:
+            lines.append(f"  {words}: not published")
+        else:
+            kept = "; not watched here" if name == "velocity" else ""
+            lines.append(f"  {words}, {unit}: {', '.join(f'{x:.4g}' for x in limit.values)}{kept}. {limit.source}")
+    return lines
 
 
 def _certified(certificate: str | Path | None, arm: Arm, law: TdeLaw) -> list[str]:

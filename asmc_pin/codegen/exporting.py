@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,16 +13,19 @@ from numpy.typing import ArrayLike
 from asmc_pin._typing import Array
 from asmc_pin.codegen.c_compiler import compile_c, find_compiler, run_vectors
 from asmc_pin.codegen.code_provenance import provenance_lines
-from asmc_pin.codegen.exported_code import ABI, CodeText, guard_arrays, ramp_ticks, translate
-from asmc_pin.codegen.guarded_law import LIMITED, Guard, GuardedLaw
+from asmc_pin.codegen.experiment_guard import experiment_guard
+from asmc_pin.codegen.exported_code import ABI, CodeText, translate
+from asmc_pin.codegen.guarded_law import LIMITED, GuardedLaw
 from asmc_pin.codegen.recorded_vectors import Vectors, number_of, record, record_motion
 from asmc_pin.codegen.ros2_control import ros2_control_texts
 from asmc_pin.codegen.translation.c_words import slug
 from asmc_pin.controllers import TdeLaw
 from asmc_pin.disk.files import whole_folder
-from asmc_pin.engine import rollout
-from asmc_pin.errors import ExperimentError, ParameterError, ResultError
+from asmc_pin.engine import Rollout, rollout
+from asmc_pin.errors import ExperimentError, ResultError
 from asmc_pin.experiment import Experiment
+from asmc_pin.experiment.named_robot import trip_words
+from asmc_pin.metrics import first_trip
 from asmc_pin.plant import Plant
 from asmc_pin.words.choices import RealType, Target
 from asmc_pin.words.shown import Shown
@@ -52,6 +54,7 @@ class Exported(Shown):
         motion_ticks: Ticks of the motion among those recorded.
         limited_ticks: Of these, those at which a limit cut the law's torque.
         compiler: With which; None where there is none.
+        trip: What the motion would have stopped the named robot by, in words; None where nothing, or none is named.
     """
 
     files: tuple[Path, ...]
@@ -65,6 +68,7 @@ class Exported(Shown):
     motion_ticks: int
     limited_ticks: int
     compiler: str | None
+    trip: str | None = None
 
     def to_json_dict(self) -> dict[str, Any]:
         """The keys of ``export --json``."""
@@ -80,6 +84,7 @@ class Exported(Shown):
             "motion_ticks": self.motion_ticks,
             "limited_ticks": self.limited_ticks,
             "compiler": self.compiler,
+            "trip": self.trip,
         }
 
     def lines(self) -> list[str]:
@@ -92,6 +97,11 @@ class Exported(Shown):
             said.append(f"compiled with {self.compiler}: {self.checked_ticks} ticks, {how} of what Python computes")
         if self.from_double > 0.0:
             said.append(f"single precision is up to {self.from_double:.3g} N·m from double along the motion")
+        if self.trip is not None:
+            said.append(
+                f"warning: along the first {self.motion_ticks} ticks of the motion, as `compare` runs it, {self.trip}; "
+                "the code keeps torque and torque rate within its limits, and does not watch speeds"
+            )
         if self.limited_ticks:
             said.append(
                 f"limits cut the law's torque at {self.limited_ticks} of {self.motion_ticks} ticks of the motion; "
@@ -124,7 +134,8 @@ def export(
         real: Type of every number in C.
         certificate: A file of ``--certificate`` about this arm and M̄, for the header; it is checked again.
         torque_rate: Torque-rate limit, a scalar or (nv,), N·m/s; inf for none. The experiment's
-            ``metrics.torque_rate_limit`` when omitted.
+            ``metrics.torque_rate_limit`` when omitted. Limits of torque and its rate are never above those of the robot
+            that ``plant.limits`` names.
         safe_torque: Where a fault leads to, a scalar or (nv,), N·m, within the torque limits.
         ramp: Time from a fault to there, above 0, s.
         fault_ticks: Ticks in a row that are not in order and make a fault, at least 1.
@@ -142,7 +153,7 @@ def export(
     _check_target(folder, force)
     law, plant = _law_of(experiment, label), experiment.build_plant()
     arm = plant.arm
-    guard = _guard(experiment, plant, torque_rate, safe_torque, ramp, fault_ticks, real)
+    guard = experiment_guard(experiment, plant, torque_rate, safe_torque, ramp, fault_ticks, real)
     provenance = provenance_lines(experiment, label, arm, law, certificate)
     translated = translate(law, arm.nv, name, real)
     heading = f"{law.title or type(law).__name__}: controller {label} of experiment {experiment.name}"
@@ -151,7 +162,9 @@ def export(
     def guarded(number: Any) -> GuardedLaw:
         return GuardedLaw(law, guard, translated.first, translated.step.period_row, number)
 
-    motion = _motion(experiment, plant, law)
+    run = _run(experiment, plant, law)
+    motion = _motion(run)
+    trip, robot = first_trip(run, experiment.metric_settings().trips), experiment.plant.limits
     vectors = record(guarded(number_of(real)), motion, law.period, guard.fault_ticks + guard.longest_ramp, real)
     along = vectors.torques[1 : len(motion) + 1]
     from_double = 0.0
@@ -183,6 +196,7 @@ def export(
         motion_ticks=len(along),
         limited_ticks=int((vectors.came_to[1 : len(motion) + 1] == LIMITED).sum()),
         compiler=compiler,
+        trip=None if trip is None or robot is None else trip_words(robot, arm.joint_names, trip),
     )
 
 
@@ -202,53 +216,14 @@ def _law_of(experiment: Experiment, label: str) -> TdeLaw:
     return law
 
 
-def _guard(
-    experiment: Experiment,
-    plant: Plant,
-    rate: ArrayLike | None,
-    safe: ArrayLike,
-    ramp: float,
-    fault_ticks: int,
-    real: RealType,
-) -> Guard:
-    nv, period = plant.arm.nv, experiment.period
-    limit = np.array(np.broadcast_to(np.atleast_2d(plant.effort_limit)[0], (nv,)), dtype=np.float64)
-    unlimited = [name for name, value in zip(plant.arm.joint_names, limit, strict=True) if not math.isfinite(value)]
-    if unlimited:
-        raise ExperimentError(
-            "plant.effort_limit",
-            f"joint '{unlimited[0]}' has no torque limit, and nothing is exported without; give [plant] effort_limit",
-        )
-    rates = _per_joint("torque_rate", experiment.metrics.torque_rate_limit if rate is None else rate, nv)
-    if not (rates > 0.0).all():
-        raise ParameterError("torque_rate", f"{rates.tolist()} given; expected values above 0 N·m/s, or inf")
-    safes = _per_joint("safe_torque", safe, nv)
-    if not (np.abs(safes) <= limit).all():
-        raise ParameterError(
-            "safe_torque", f"{safes.tolist()} given; expected values within the torque limits {limit.tolist()} N·m"
-        )
-    if not (math.isfinite(ramp) and ramp > 0.0):
-        raise ParameterError("ramp", f"{ramp!r} given; expected a time above 0 s")
-    if isinstance(fault_ticks, bool) or int(fault_ticks) != fault_ticks or not 1 <= fault_ticks <= 10_000:
-        raise ParameterError("fault_ticks", f"{fault_ticks!r} given; expected a whole number from 1 to 10000")
-    limits, step = guard_arrays(limit, rates, period, real)
-    ticks = ramp_ticks(ramp, period)
-    if ticks > 100_000:
-        raise ParameterError("ramp", f"{ramp:g} s are {ticks} periods; expected at most 100000")
-    return Guard(period, limits, step, safes, int(fault_ticks), ticks)
-
-
-def _per_joint(name: str, value: ArrayLike, nv: int) -> Array:
-    try:
-        return np.array(np.broadcast_to(np.asarray(value, dtype=np.float64), (nv,)))
-    except ValueError:
-        raise ParameterError(name, f"{value!r} given; expected one number, or {nv} of them") from None
-
-
-def _motion(experiment: Experiment, plant: Plant, law: TdeLaw) -> Array:
-    """Samples and set points of the experiment's own motion with this law, (ticks, 6, nv), until it diverged if so."""
+def _run(experiment: Experiment, plant: Plant, law: TdeLaw) -> Rollout:
+    """The experiment's own motion with this law, its first ticks."""
     duration = min(experiment.duration, MOTION_TICKS * law.period)
-    run = rollout(plant, law, experiment.build_reference(), duration, q0=experiment.plant.q0)
+    return rollout(plant, law, experiment.build_reference(), duration, q0=experiment.plant.q0)
+
+
+def _motion(run: Rollout) -> Array:
+    """Samples and set points of a run, (ticks, 6, nv), until it diverged if so."""
     told = (run.q_measured[0], run.v_measured[0], run.torque_measured[0], run.q_ref, run.v_ref, run.a_ref)
     motion = np.stack([np.asarray(x) for x in told], axis=1)
     return motion[: max(1, int(np.isfinite(motion).all(axis=(1, 2)).cumprod().sum()))]

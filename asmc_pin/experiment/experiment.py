@@ -13,6 +13,7 @@ from pydantic import PrivateAttr, ValidationError
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm, arm_names, load_arm
 from asmc_pin.arms.loading import load_carried
+from asmc_pin.arms.robot_limits import ROBOT_LIMITS, RobotLimits
 from asmc_pin.arms.sources.carried import Carried
 from asmc_pin.baselines import knows_model
 from asmc_pin.controllers import Controller, Sample, Setpoint
@@ -21,6 +22,7 @@ from asmc_pin.experiment import experiment_checks
 from asmc_pin.experiment.constructors import Mistake
 from asmc_pin.experiment.law_lookup import is_own
 from asmc_pin.experiment.measured_values import with_values
+from asmc_pin.experiment.named_robot import tighter_rate, trip_limits
 from asmc_pin.experiment.plant_parts import LISTS, TABLES, plant_parts
 from asmc_pin.experiment.toml_keys import ExperimentTables
 from asmc_pin.experiment.toml_text import parse_toml, write_toml
@@ -253,7 +255,7 @@ class Experiment(Shown, ExperimentTables):
 
     def plant_options(self) -> dict[str, Any]:
         """What ``[plant]`` gives to the plant, as keywords of `asmc_pin.Plant`; where it starts is not among them."""
-        elsewhere = {"q0", "v0", *TABLES, *LISTS}
+        elsewhere = {"q0", "v0", "limits", *TABLES, *LISTS}
         options = self.plant.model_dump(exclude=elsewhere, exclude_unset=True, exclude_none=True)
         return options | plant_parts(self._data.get("plant"))[0]
 
@@ -275,13 +277,25 @@ class Experiment(Shown, ExperimentTables):
             text = str(error).removeprefix(f"{error.parameter}: ")
             raise ExperimentError(f"plant.{error.parameter}", text) from error
 
+    @property
+    def robot_limits(self) -> RobotLimits | None:
+        """What is published of the robot that ``plant.limits`` names."""
+        return None if self.plant.limits is None else ROBOT_LIMITS[self.plant.limits]
+
+    @property
+    def torque_rate_limit(self) -> Array:
+        """How fast the torque may change, (nv,) or a scalar, N·m/s: the tighter of the robot's and what is asked."""
+        given = "torque_rate_limit" in self.metrics.model_fields_set
+        return tighter_rate(self.robot_limits, self.metrics.torque_rate_limit, given)
+
     def metric_settings(self) -> MetricSettings:
-        """What the metrics are told: ``[metrics]``, and the plant's torque limits."""
+        """What the metrics are told: ``[metrics]``, the plant's torque limits, and what stops the robot it names."""
         return MetricSettings(
             cutoff_hz=self.metrics.cutoff_hz,
             settling_band=np.asarray(self.metrics.settling_band),
             effort_limit=np.asarray(self.build_plant().effort_limit),
-            torque_rate_limit=np.asarray(self.metrics.torque_rate_limit),
+            torque_rate_limit=self.torque_rate_limit,
+            trips=trip_limits(self.robot_limits, self.torque_rate_limit),
         )
 
 

@@ -15,6 +15,7 @@ from asmc_pin.controllers import TdeLaw
 from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment.constructors import Mistake, Signature, construct, nearest
 from asmc_pin.experiment.law_lookup import LAWS, is_own, load_law
+from asmc_pin.experiment.named_robot import robot_problems
 from asmc_pin.experiment.plant_parts import TABLES
 from asmc_pin.experiment.toml_keys import ExperimentTables
 from asmc_pin.plant import Sensor
@@ -250,7 +251,7 @@ def plant_size_problems(tables: ExperimentTables, arm: Arm) -> list[Mistake]:
     for key, cls in TABLES.items():
         signature, table = Signature(cls), getattr(plant, key) or {}
         given += [(f"plant.{key}.{name}", value) for name, value in table.items() if signature.per_joint(name)]
-    return _wrong_sizes(given, arm)
+    return _wrong_sizes(given, arm) + robot_problems(plant.limits, arm)
 
 
 def controller_size_problems(tables: ExperimentTables, folder: Path, arm: Arm) -> list[Mistake]:

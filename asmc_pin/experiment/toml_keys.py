@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationInfo, WithJsonSchema, field_validator
 
 from asmc_pin.errors import ParameterError
+from asmc_pin.experiment.named_robot import RobotName
 from asmc_pin.experiment.toml_values import (
     NUMBERS_SCHEMA,
     LimitPerJoint,
@@ -168,6 +169,11 @@ class PlantTable(TomlTable):
     friction: dict[str, Any] | None = Field(default=None, description="joint friction; the URDF's when omitted")
     effort_limit: LimitPerJoint | None = Field(
         default=None, description="torque limits, N·m (N), inf for none; the URDF's when omitted"
+    )
+    limits: RobotName = Field(
+        default=None,
+        description="robot whose published limits of torque, torque rate and velocity the run is held against, and an "
+        "export kept within; none when omitted",
     )
     q0: PerJoint | None = Field(default=None, description="q(0), rad (m); the reference's when omitted")
     v0: PerJoint | None = Field(default=None, description="v(0), rad/s (m/s); the reference's when omitted")

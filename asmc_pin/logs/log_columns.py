@@ -90,6 +90,19 @@ def joint_columns(
     return [str(column) for column in found]
 
 
+def form_by_name(columns: Sequence[str], kind: str, joints: Sequence[str]) -> str | None:
+    """The pattern by which a table names the columns of these joints, the bare name first; None where it has no such.
+
+    Args:
+        columns: Of the table.
+        kind: ``"q"``, ``"v"`` or ``"tau"``.
+        joints: Names of the joints.
+    """
+    by_name = [form.replace("{w}", word) for word in _WORDS[kind] for form in _JOINED if "{joint}" in form]
+    fits = (form for form in ("{joint}", *by_name) if all(_filled(form, 0, joint) in columns for joint in joints))
+    return next(fits, None)
+
+
 def _filled(pattern: str, index: int, joint: str) -> str:
     return pattern.replace("{n}", str(index + 1)).replace("{i}", str(index)).replace("{joint}", joint)
 

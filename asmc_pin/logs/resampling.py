@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import CubicSpline, make_smoothing_spline
+from scipy.interpolate import BSpline, CubicSpline, make_smoothing_spline
 from scipy.signal import butter, sosfiltfilt
 
 from asmc_pin._typing import Array
@@ -70,27 +70,30 @@ def white_noise(time: Array, values: Array) -> Array:
     return np.asarray(np.sqrt(np.mean(third**2, axis=0) / 20.0))
 
 
-def smoothing_spline(time: Array, values: Array, deviation: float) -> tuple[Array, float]:
+def smoothing_curve(time: Array, values: Array, deviation: float) -> BSpline:
     """A cubic smoothing spline whose distance from the values has a given RMS: what rounding or noise left.
+
+    Of all curves with that distance it has the least integral of its squared second derivative.
 
     Args:
         time: Shape (T,), s.
         values: One column, shape (T,).
-        deviation: RMS of values − spline to aim at; 0 puts the spline through all of them.
+        deviation: RMS of values − spline to aim at, never exceeded; 0 puts the spline through all of them.
 
     Returns:
-        Its values at the times, shape (T,), and the penalty λ of the integral of its second derivative squared.
+        The spline.
     """
     if deviation <= 0.0:
-        return values.copy(), 0.0
+        return make_smoothing_spline(time, values, lam=0.0)
     low, high = 1e-16, 1e2
-    for _ in range(40):
+    kept: BSpline | None = None
+    while kept is None or high / low > 2.0:
         middle = float(np.sqrt(low * high))
-        fit = make_smoothing_spline(time, values, lam=middle)(time)
-        if float(np.sqrt(np.mean((fit - values) ** 2))) < deviation:
-            low = middle
+        tried = make_smoothing_spline(time, values, lam=middle)
+        if float(np.sqrt(np.mean((tried(time) - values) ** 2))) < deviation:
+            low, kept = middle, tried
         else:
             high = middle
-        if high / low < 1.1:
-            break
-    return np.asarray(make_smoothing_spline(time, values, lam=low)(time)), low
+        if high < 1e-15:  # the rows are not that smooth
+            return make_smoothing_spline(time, values, lam=0.0)
+    return kept

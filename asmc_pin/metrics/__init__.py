@@ -7,6 +7,7 @@ controller says of itself. May import numpy, the engine's record of a run and wh
 # In the order of the tables: a metric is registered when its file is imported.
 from asmc_pin.metrics import tracking_metrics as tracking_metrics  # isort: skip
 from asmc_pin.metrics import torque_metrics as torque_metrics  # isort: skip
+from asmc_pin.metrics import robot_trips as robot_trips  # isort: skip
 from asmc_pin.metrics import law_metrics as law_metrics  # isort: skip
 from asmc_pin.metrics.metric_registry import (
     METRICS,
@@ -15,7 +16,20 @@ from asmc_pin.metrics.metric_registry import (
     Best,
     Metric,
     MetricSettings,
+    TripLimits,
     evaluate,
 )
+from asmc_pin.metrics.robot_trips import Trip, first_trip
 
-__all__ = ["METRICS", "MOVED", "QUANTITIES", "Best", "Metric", "MetricSettings", "evaluate"]
+__all__ = [
+    "METRICS",
+    "MOVED",
+    "QUANTITIES",
+    "Best",
+    "Metric",
+    "MetricSettings",
+    "Trip",
+    "TripLimits",
+    "evaluate",
+    "first_trip",
+]

@@ -6,7 +6,8 @@ registry by ``@metric(...)`` above it: tables, results and `docs/metrics.md` pic
 Conventions: e = q_d − q (as in Baek 2016); T samples at t_k = k·L, k = 0 … T−1; torque τ_k is held over [t_k, t_{k+1}),
 so the run holds τ_0 … τ_{T−2}, and those are what the torque metrics see. A trial that diverged has no metric: every
 figure of it is NaN (null in JSON, a dash in tables) and its status says when it happened, because a number over the
-part that ran would depend on how early the trial broke down, and would flatter the law that broke down first.
+part that ran would depend on how early the trial broke down, and would flatter the law that broke down first. The one
+exception is when a robot would have tripped, which is told before the end.
 """
 
 from __future__ import annotations
@@ -52,6 +53,26 @@ MOVED = "moved_"
 
 
 @dataclass(frozen=True, slots=True)
+class TripLimits:
+    """What stops a robot, each a scalar or nv values; infinite where nothing is known, and then not judged.
+
+    Attributes:
+        torque: Largest torque, N·m.
+        torque_rate: Largest change of the torque from tick to tick over the period, N·m/s.
+        velocity: Largest speed at a tick, rad/s.
+    """
+
+    torque: float | Array = np.inf
+    torque_rate: float | Array = np.inf
+    velocity: float | Array = np.inf
+
+    @property
+    def judged(self) -> bool:
+        """Whether there is any limit."""
+        return bool(any(np.isfinite(x).any() for x in (self.torque, self.torque_rate, self.velocity)))
+
+
+@dataclass(frozen=True, slots=True)
 class MetricSettings:
     """What the metrics need in addition to the run.
 
@@ -60,12 +81,14 @@ class MetricSettings:
         settling_band: Band of |e| in which a joint counts as settled, a scalar or nv values, rad (m if prismatic).
         effort_limit: Torque limits, a scalar or nv values, N·m; infinite where there is none.
         torque_rate_limit: How fast a robot lets its torque command change, a scalar or nv values, N·m/s.
+        trips: What stops the robot that the experiment names.
     """
 
     cutoff_hz: float = 50.0
     settling_band: float | Array = 0.002
     effort_limit: float | Array = field(default=np.inf)
     torque_rate_limit: float | Array = 1000.0
+    trips: TripLimits = field(default_factory=TripLimits)
 
     def __post_init__(self) -> None:
         for name in ("cutoff_hz", "settling_band", "effort_limit", "torque_rate_limit"):
@@ -92,6 +115,7 @@ class Metric:
         best: Which figure of several is the best; tables mark it.
         main: Whether a person reads it first; the other metrics follow.
         function: Computes it for every trial as if none had diverged, shape (batch, nv).
+        of_diverged: Whether a trial that diverged has it too: what happened before is known by then.
     """
 
     name: str
@@ -102,6 +126,7 @@ class Metric:
     best: Best
     main: bool
     function: _Function
+    of_diverged: bool = False
 
     @property
     def unit(self) -> str:
@@ -122,11 +147,12 @@ class Metric:
             settings: Cut-off, settling band, limits of torque and of its rate; the defaults where omitted.
 
         Returns:
-            Shape (batch, nv), SI; NaN for a trial that diverged or where the metric is not defined.
+            Shape (batch, nv), SI; NaN where the metric is not defined, which most are not of a trial that diverged.
         """
         with np.errstate(invalid="ignore"):  # NaN after a divergence is expected, and masked below.
             values = np.array(self.function(rollout, settings or MetricSettings()), dtype=np.float64)
-        values[np.asarray(rollout.status) != "ok"] = np.nan
+        if not self.of_diverged:
+            values[np.asarray(rollout.status) != "ok"] = np.nan
         return values
 
 
@@ -135,13 +161,20 @@ METRICS: Mapping[str, Metric] = MappingProxyType(_REGISTRY)
 
 
 def metric(
-    title: str, quantity: str, formula: str, source: str, *, best: Best = None, main: bool = False
+    title: str,
+    quantity: str,
+    formula: str,
+    source: str,
+    *,
+    best: Best = None,
+    main: bool = False,
+    of_diverged: bool = False,
 ) -> Callable[[_Function], _Function]:
     """Make a function one of the metrics, under its own name; see `Metric` for the arguments."""
 
     def register(function: _Function) -> _Function:
         name = function.__name__
-        _REGISTRY[name] = Metric(name, title, quantity, formula, source, best, main, function)
+        _REGISTRY[name] = Metric(name, title, quantity, formula, source, best, main, function, of_diverged)
         return function
 
     return register
@@ -151,6 +184,9 @@ def evaluate(rollout: Rollout, settings: MetricSettings | None = None) -> dict[s
     """All metrics of a rollout: name -> array of shape (batch, nv), in SI units."""
     return {name: metric(rollout, settings) for name, metric in METRICS.items()}
 
+
+ROUNDING = 1e-9
+"""Part of a limit by which a figure may be beyond it: one that is as large as the limit is within, however rounded."""
 
 OURS = "this toolkit"
 BAEK = "Baek, Jin, Han 2016, Tables I to III"
@@ -164,6 +200,11 @@ def tracking_error(rollout: Rollout) -> Array:
 def held_torque(rollout: Rollout) -> Array:
     """The torques that are held within the run, shape (batch, T − 1, nv)."""
     return rollout.torque[:, :-1]
+
+
+def torque_steps(rollout: Rollout) -> Array:
+    """How far the held torque goes from a tick to the next, shape (batch, T − 2, nv)."""
+    return np.asarray(np.abs(np.diff(held_torque(rollout), axis=1)))
 
 
 def run_length(rollout: Rollout) -> float:

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.metrics.metric_registry import OURS, MetricSettings, held_torque, metric, run_length
+from asmc_pin.metrics.metric_registry import (
+    OURS,
+    ROUNDING,
+    MetricSettings,
+    held_torque,
+    metric,
+    run_length,
+    torque_steps,
+)
 
 if TYPE_CHECKING:
     from asmc_pin.engine import Rollout
@@ -97,7 +105,7 @@ def saturation_share(rollout: Rollout, settings: MetricSettings) -> Array:
 )
 def torque_step(rollout: Rollout, settings: MetricSettings) -> Array:
     """Largest change of the torque from a tick to the next; 0 in a run of a single period."""
-    return np.asarray(np.max(_steps(rollout), axis=1, initial=0.0))
+    return np.asarray(np.max(torque_steps(rollout), axis=1, initial=0.0))
 
 
 @metric(
@@ -109,9 +117,8 @@ def torque_step(rollout: Rollout, settings: MetricSettings) -> Array:
 )
 def torque_rate_ticks(rollout: Rollout, settings: MetricSettings) -> Array:
     """Ticks at which a robot that limits the rate of its torque would have stopped; 0: it would have run there."""
-    most = np.asarray(settings.torque_rate_limit) * rollout.period * (1.0 + 1e-9)
-    steps = _steps(rollout)
-    return np.asarray(np.sum(steps > most, axis=1), dtype=np.float64)
+    most = np.asarray(settings.torque_rate_limit) * rollout.period * (1.0 + ROUNDING)
+    return np.asarray(np.sum(torque_steps(rollout) > most, axis=1), dtype=np.float64)
 
 
 @metric(
@@ -137,7 +144,3 @@ def energy(rollout: Rollout, settings: MetricSettings) -> Array:
 def copper_loss_proxy(rollout: Rollout, settings: MetricSettings) -> Array:
     """What the heat in a motor's winding is proportional to."""
     return np.asarray(np.sum(held_torque(rollout) ** 2, axis=1) * rollout.period)
-
-
-def _steps(rollout: Rollout) -> Array:
-    return np.abs(np.diff(held_torque(rollout), axis=1))

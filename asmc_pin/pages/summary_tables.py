@@ -98,7 +98,7 @@ def moves(summary: pd.DataFrame, name: str) -> Array:
 
 
 def overview(summary: pd.DataFrame) -> Table:
-    """The table for a terminal: RMS error of each joint, the worst error, and how much the torque chatters."""
+    """The table for a terminal: RMS error of each joint, the worst error, how much the torque chatters, any trip."""
     columns, best, header, title = _metric_columns(summary, "rms_error")
     _, units, worst = per_joint(summary, "max_error")
     _, force_units, variation = per_joint(summary, "torque_variation")
@@ -110,6 +110,11 @@ def overview(summary: pd.DataFrame) -> Table:
         header.append(f"chatter [{force_units[0]}]")
         best.append(METRICS["torque_variation"].best)
         columns.append(figure_of_all(variation, moves(summary, "torque_variation"), np.sum, best[-1]))
+    _, _, tripped = per_joint(summary, "trip_time")
+    if np.isfinite(tripped).any():
+        header.append("trips at [s]")
+        best.append(None)
+        columns.append(figure_of_all(np.where(np.isnan(tripped), np.inf, tripped), moves(summary, "trip_time"), np.min))
     table = _with_marks(summary, table_of(title, header, labels_of(summary), columns, best))
     failed = failures(summary)
     if failed.any():
@@ -135,14 +140,14 @@ def tool_table(summary: pd.DataFrame) -> Table | None:
     return _with_marks(summary, table_of(title, header, labels_of(summary), columns, best))
 
 
-def figure_of_all(values: Array, moved: Array, whole: Callable[..., Array], best: Best) -> Told:
+def figure_of_all(values: Array, moved: Array, whole: Callable[..., Array], best: Best = None) -> Told:
     """One figure for all joints, and by what part of itself half the step moves it.
 
     Args:
         values: Figures of the joints, 0 or more, shape (controllers, trials, nv).
         moved: See `moves`.
         whole: What makes one of them along an axis, such as `numpy.max`.
-        best: Which is the best.
+        best: Which is the best; None where neither is.
     """
     medians = spread_of(np.moveaxis(values, 1, 0)).median
     with np.errstate(divide="ignore", invalid="ignore"):  # a figure of 0 that half the step moves

@@ -7,7 +7,7 @@ set point is.
 from __future__ import annotations
 
 from asmc_pin.references.feasibility import check_reference, required_torque
-from asmc_pin.references.reference import REFERENCES, OnAnArm, Reference
+from asmc_pin.references.reference import REFERENCES, OnAnArm, Reference, reference_words
 
 # Every file with kinds, in the order of the tables. The import is what registers them.
 # isort: off
@@ -22,5 +22,6 @@ __all__ = [
     "OnAnArm",
     "Reference",
     "check_reference",
+    "reference_words",
     "required_torque",
 ]

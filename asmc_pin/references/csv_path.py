@@ -7,7 +7,8 @@ import io
 import math
 import re
 from array import array
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -18,8 +19,9 @@ from asmc_pin._typing import Array
 from asmc_pin.controllers.protocol import Setpoint
 from asmc_pin.disk.reading import read_file, shown
 from asmc_pin.errors import ParameterError
-from asmc_pin.parameters import AsGiven, Choice
+from asmc_pin.parameters import AsGiven, Choice, OptionalPerJoint, Scalar
 from asmc_pin.references.reference import as_times, held_outside, reference_kind
+from asmc_pin.references.smoothed_log import smoothed_file
 from asmc_pin.words.mistyped import other_separator
 from asmc_pin.words.text import as_number, printable
 
@@ -41,15 +43,23 @@ class CsvPath:
     acceleration: a cubic one (acceleration continuous) or a quintic one (its next two derivatives too). Before the
     first and after the last row the path holds that row.
 
+    With ``smoothing="quantisation"`` the file is the log of a robot: read as `read_log` does, with repeated rows and
+    irregular times, and smoothed by as much as its rounding asks for (`asmc_pin.references.smoothed_log`).
+
     Attributes:
         path: The file.
         joints: Which columns to take, in this order; default all in the order of the file.
         spline: ``"cubic"`` or ``"quintic"``.
         ends: ``"free"``: the rows alone shape the ends (not-a-knot); ``"rest"``: it starts and ends with velocity 0,
             and with ``"quintic"`` acceleration 0 too.
+        smoothing: ``"none"``: a spline through every row; ``"quantisation"``: a smoothing spline, for a log.
+        resolution: Step to which the angles of a log are rounded, rad; the smallest one in the file when omitted.
+        stretch: What the file's times are multiplied by; above 1 the motion is slower.
         columns: The joints' names as the header has them, in the order taken.
         times: The times of the rows, s, read-only.
         points: The rows, (rows, nv), rad, read-only.
+        deviation: RMS distance of the path from the rows, at most, (nv,), rad; zeros without smoothing.
+        told: What was found in a log and how it was smoothed, a sentence each; nothing without smoothing.
 
     Raises:
         ParameterError: the file cannot be read, or a row is malformed; the message names the line.
@@ -61,12 +71,28 @@ class CsvPath:
     joints: AsGiven = AsGiven("columns to take; all when omitted", shape="a list of names", default=None)
     spline: Choice = Choice("spline through the rows", ("cubic", "quintic"), default="cubic")
     ends: Choice = Choice("how it starts and ends", ("free", "rest"), default="free")
+    smoothing: Choice = Choice(
+        "none: a spline through every row; the other: a log, smoothed as its rounding asks for",
+        ("none", "quantisation"),
+        default="none",
+    )
+    resolution: OptionalPerJoint = OptionalPerJoint(
+        "step to which a log's angles are rounded; the smallest in it when omitted", "rad (m)", above=0.0
+    )
+    stretch: Scalar = Scalar("what the file's times are multiplied by", "", above=0.0, default=1.0)
     columns: tuple[str, ...] = field(init=False)
     times: Array = field(init=False, repr=False)
     points: Array = field(init=False, repr=False)
+    deviation: Array = field(init=False, repr=False)
+    told: tuple[str, ...] = field(init=False, repr=False)
     _curve: CubicSpline | BSpline = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
+        if self.smoothing == "quantisation":
+            self._take_log()
+            return
+        if self.resolution is not None:
+            raise ParameterError("resolution", 'is of a log; give smoothing = "quantisation" too, or leave it out')
         names, times, points = _read(Path(self.path))
         if self.joints is not None:
             missing = [name for name in self.joints if name not in names]
@@ -76,11 +102,55 @@ class CsvPath:
                 )
             points = np.ascontiguousarray(points[:, [names.index(name) for name in self.joints]])
             names = list(self.joints)
+        times = times * self.stretch
         curve = _interpolate(str(self.path), times, points, _DEGREE[self.spline], self.ends == "rest")
-        for rows in (times, points):
+        self._keep(tuple(names), times, points, np.zeros(points.shape[1]), (), curve)
+
+    def _take_log(self) -> None:
+        for name, plain in (("spline", "cubic"), ("ends", "free")):
+            if getattr(self, name) != plain:
+                given = getattr(self, name)
+                raise ParameterError(name, f"'{given}' is for a spline through every row, and smoothing has none of it")
+        made = smoothed_file(Path(self.path), self.joints, self.resolution, self.stretch)
+        rows, told = made.rows, made.words(self.resolution is not None)
+        self._keep(rows.names, rows.time, rows.points, made.deviation, told, made.curve)
+
+    def _keep(
+        self,
+        columns: tuple[str, ...],
+        times: Array,
+        points: Array,
+        deviation: Array,
+        told: tuple[str, ...],
+        curve: CubicSpline | BSpline,
+    ) -> None:
+        for rows in (times, points, deviation):
             rows.setflags(write=False)
-        for name, value in (("columns", tuple(names)), ("times", times), ("points", points), ("_curve", curve)):
+        made = {
+            "columns": columns,
+            "times": times,
+            "points": points,
+            "deviation": deviation,
+            "told": told,
+            "_curve": curve,
+        }
+        for name, value in made.items():
             object.__setattr__(self, name, value)
+
+    def smoother(self) -> Iterator[CsvPath]:
+        """The same motion smoothed more and more: as its rows ask for, four times that, and within 0.5 % of its range.
+
+        Nothing where the rows are no log.
+        """
+        try:
+            made = replace(self, smoothing="quantisation", spline="cubic", ends="free")
+        except ParameterError:
+            return
+        if self.smoothing == "none":
+            yield made
+        most = 0.005 * np.maximum(np.ptp(made.points, axis=0), 1e-9)
+        for further in (np.minimum(4.0 * made.deviation, most), most):
+            yield replace(made, resolution=np.sqrt(12.0) * np.maximum(further, made.deviation))
 
     @property
     def nv(self) -> int:

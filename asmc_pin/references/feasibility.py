@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Iterator
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -38,6 +39,19 @@ class LimitedArm(Protocol):
 
     def mass_matrix(self, q: Array) -> Array: ...  # noqa: D102
     def bias(self, q: Array, v: Array) -> Array: ...  # noqa: D102
+
+
+@runtime_checkable
+class Smoothable(Protocol):
+    """A motion through the rows of a file, which may be smoother than they are."""
+
+    smoothing: str
+    resolution: Array | None
+    times: Array
+    deviation: Array
+
+    def smoother(self) -> Iterator[Smoothable]: ...  # noqa: D102
+    def evaluate(self, t: Array) -> Setpoint: ...  # noqa: D102
 
 
 def required_torque(
@@ -98,7 +112,7 @@ def check_reference(
     motion = reference.evaluate(time)
     torque = required_torque(arm, motion, coulomb=coulomb, viscous=viscous)
     effort = arm.effort_limit if effort_limit is None else np.broadcast_to(effort_limit, (arm.nv,))
-    warnings = _name_warnings(reference, arm)
+    warnings, breaking = _name_warnings(reference, arm), []
     for i, name in enumerate(arm.joint_names):
         angle, force = ("m", "N") if arm.joint_kinds[i] == "prismatic" else ("rad", "N·m")
         quantities = (
@@ -110,6 +124,7 @@ def check_reference(
             text = _excess(values, float(low), float(high), unit, time)
             if text:
                 warnings.append(f"joint {name!r}: {quantity} {text}")
+                breaking += [i] if quantity == "torque" else []
         if reference.duration < duration:
             speed = float(reference.evaluate(np.array([reference.duration])).v[0, i])
             if abs(speed) > 1e-9:
@@ -117,7 +132,40 @@ def check_reference(
                     f"joint {name!r}: the reference ends at t = {reference.duration:.3f} s while it moves at "
                     f"{speed:.3g} {angle}/s and is held from there on; let it end at rest or shorten the run"
                 )
+    if breaking and isinstance(reference, Smoothable):
+
+        def keeps(other: Smoothable) -> bool:
+            again = required_torque(arm, other.evaluate(time), coulomb=coulomb, viscous=viscous)
+            return bool((np.abs(again) <= effort * (1.0 + 1e-9)).all())
+
+        said = _cause(reference, next(filter(keeps, reference.smoother()), None))
+        warnings += [f"the torque beyond its limit at {', '.join(repr(arm.joint_names[i]) for i in breaking)} {said}"]
     return warnings
+
+
+def _cause(reference: Smoothable, kept: Smoothable | None) -> str:
+    """Where torques beyond a limit along a file's rows come from, and which key mends it.
+
+    Args:
+        reference: The motion.
+        kept: The least smoothed one that keeps the limits; None where none of them does.
+    """
+    if kept is None:
+        return (
+            "is what the motion asks for, also where it is smoothed as a log, to within 0.5 % of each joint's range: "
+            "slow it down with reference.stretch"
+        )
+    far, step = kept.deviation, float(np.median(np.diff(reference.times)))
+    worst = int(np.argmax(far))
+    said = (
+        f"comes of the rows and not of the motion: smoothed to within {far[worst]:.2g} rad RMS it keeps the limits, "
+        f"and as much from one row to the next, {step:.3g} s, is an acceleration of {far[worst] / step**2:.3g} rad/s²; "
+        "give "
+    )
+    if reference.smoothing == "none" and kept.resolution is None:
+        return said + 'reference.smoothing = "quantisation"'
+    listed = ", ".join(f"{x:.2g}" for x in np.sqrt(12.0) * far)
+    return said + f'reference.smoothing = "quantisation" and resolution = [{listed}]'
 
 
 def _excess(values: Array, low: float, high: float, unit: str, time: Array) -> str:

@@ -62,6 +62,11 @@ class Kind(Protocol):
         ...
 
 
+def reference_words(reference: Reference) -> tuple[str, ...]:
+    """What was done to a file before it became this motion, a sentence each; nothing for other motions."""
+    return tuple(getattr(reference, "told", ()))
+
+
 REFERENCES: dict[str, type[Kind]] = {}
 """The kinds of reference by the names that experiments use; complete in `asmc_pin.references`, which imports them."""
 

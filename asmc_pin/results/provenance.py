@@ -14,6 +14,7 @@ from typing import Any
 
 from asmc_pin.arms import Arm
 from asmc_pin.experiment import Experiment
+from asmc_pin.references import reference_words
 from asmc_pin.words.provisos import provisos_json
 
 # What the figures depend on.
@@ -57,6 +58,7 @@ def provenance(
             "sha256": arm.sha256,
             **(_made(arm) if arm.provisos else {}),
         },
+        **({"reference": told} if (told := list(reference_words(experiment.build_reference()))) else {}),
         "seed": experiment.seed,
         "started": started.isoformat(timespec="seconds"),
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),

@@ -265,8 +265,9 @@ def _linear_near(law: Any, nv: int) -> bool:
 
 
 def law_name(law: Any) -> str:
-    """The name of a law of the package in experiments; of another its class."""
-    return next((name for name, cls in CONTROLLERS.items() if cls is type(law)), type(law).__name__)
+    """The name of a law of the package in experiments; of another what it calls itself, or its class."""
+    own = str(getattr(law, "label", type(law).__name__))
+    return next((name for name, cls in CONTROLLERS.items() if cls is type(law)), own)
 
 
 def law_settings(law: Any) -> dict[str, Any]:

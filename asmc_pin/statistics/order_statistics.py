@@ -31,14 +31,14 @@ def with_failures(figures: Array, failed: BoolArray) -> Array:
     """Figures in which failures are +∞, and what has no meaning in any trial stays NaN.
 
     Dropping failures would flatter the law that fails most. A figure that is not a number in a trial that did not fail
-    is one that was not reached in it, such as a settling time, as long as another trial has one: +∞ too.
+    is one that was not reached in it, such as a settling time, as long as another trial has one: +∞ too. A figure that
+    a failure has all the same, such as the time at which a robot would have stopped, stays.
 
     Args:
         figures: Shape (trials, …); NaN where undefined.
         failed: Whether a trial failed, shape (trials,).
     """
-    held = figures[~failed]
-    defined = np.isfinite(held).any(axis=0) if len(held) else np.ones(figures.shape[1:], dtype=bool)
+    defined = np.ones(figures.shape[1:], dtype=bool) if failed.all() else np.isfinite(figures).any(axis=0)
     return np.where(np.isnan(figures), np.where(defined, np.inf, np.nan), figures)
 
 

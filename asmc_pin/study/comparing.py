@@ -22,6 +22,7 @@ from asmc_pin.controllers import Controller
 from asmc_pin.engine import Rollout, rollout
 from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment import Experiment
+from asmc_pin.metrics import first_trip
 from asmc_pin.pages.comparison_figures import draw_figures
 from asmc_pin.pages.latex_table import latex_table
 from asmc_pin.pages.theorem_tables import theorems_latex
@@ -106,7 +107,7 @@ def compare(
     found = _ensembles(experiment, plant, laws, shown, lambda what, done: tell(what, share * done), each)
     runs = {label: item.first for label, item in found.items()}
     rows = pd.concat([item.rows for item in found.values()], ignore_index=True)
-    after = [line for label, item in found.items() for line in after_the_run(shown[label], item)]
+    after = [line for label, item in found.items() for line in after_the_run(experiment, shown[label], item)]
     refined = None
     if refine:
         refined = _refined(experiment, rows, shown, lambda what, done: tell(what, share + (_SIMULATION - share) * done))
@@ -131,6 +132,7 @@ def compare(
         theorems=judge_theorems(plant, runs, laws, shown),
         refinement=refined,
         tool={label: item.tool for label, item in found.items() if item.tool is not None},
+        trips={label: item.trip for label, item in found.items() if item.trip is not None},
     )
     add_signals(comparison.dataset, plant, list(runs.values()))
     add_bands(comparison.dataset, {shown[label]: item.bands for label, item in found.items()})
@@ -171,7 +173,8 @@ def _measured(experiment: Experiment, arm: Arm, label: str, shown: str, run: Rol
         error = tool_error(arm, run, experiment.metrics.tool)
         add_tool_columns(rows, error, tool_path(arm, run, experiment.metrics.tool))
         tool = ToolError(error.frame, error.position[:1], error.rotation[:1])
-    return Ensemble(rows, first_trial(run), bands(run), seconds, run.warnings, tool)
+    trip = first_trip(run, experiment.metric_settings().trips)
+    return Ensemble(rows, first_trial(run), bands(run), seconds, run.warnings, tool, trip)
 
 
 def _refined(experiment: Experiment, rows: pd.DataFrame, shown: Mapping[str, str], tell: Progress) -> Refinement:

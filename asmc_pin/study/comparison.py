@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,18 +17,18 @@ from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.condition.premises import premises_along
 from asmc_pin.engine import Rollout
 from asmc_pin.experiment import Experiment
-from asmc_pin.metrics import METRICS, evaluate
+from asmc_pin.metrics import METRICS, Trip, evaluate
 from asmc_pin.pages.summary_tables import overview
 from asmc_pin.pages.tables.text_table import Table
 from asmc_pin.pages.theorem_tables import theorem_lines
 from asmc_pin.plant import moving_arms
-from asmc_pin.references import SolvedPath
+from asmc_pin.references import SolvedPath, reference_words
 from asmc_pin.results.ensemble_summary import failures, figures_by_trial, paired
 from asmc_pin.statistics.order_statistics import spread_of
 from asmc_pin.study.comparison_notes import Lemma1Range, lemma1_lines, phase_lines
 from asmc_pin.study.refinement import Refinement
 from asmc_pin.study.run_monitors import Theorems
-from asmc_pin.study.sensitivity_notes import sensitivity_lines, torque_rate_lines
+from asmc_pin.study.sensitivity_notes import limit_lines, sensitivity_lines
 from asmc_pin.study.tool_rows import tool_figures
 from asmc_pin.tool_error import ToolError
 from asmc_pin.words.shown import Cells, Shown
@@ -50,6 +50,7 @@ class Comparison(Shown):
         theorems: The paper's claims, held against the first trial.
         refinement: How far the metrics move with half the step, if that was asked for.
         tool: Error of the tool frame in the first trial by label, if the experiment names one.
+        trips: By label, the first limit of the named robot that any trial was beyond; without those that never were.
     """
 
     experiment: Experiment
@@ -62,16 +63,18 @@ class Comparison(Shown):
     theorems: Theorems
     refinement: Refinement | None = None
     tool: Mapping[str, ToolError] = field(default_factory=dict)
+    trips: Mapping[str, Trip] = field(default_factory=dict)
 
     @property
     def notes(self) -> list[str]:
         """What is worth knowing and is no warning."""
         reference = self.experiment.build_reference()
         solved = [str(reference)] if isinstance(reference, SolvedPath) else []
+        solved += [f"reference: {line}" for line in reference_words(reference)]
         refined = [] if self.refinement is None else self.refinement.notes()
         moving = moving_arms(self.experiment.build_plant(), self.experiment.period, self.experiment.duration)
         told = phase_lines(moving) + lemma1_lines(self.lemma1)
-        told += sensitivity_lines(self.experiment, self.rows) + torque_rate_lines(self.experiment, self.rows)
+        told += sensitivity_lines(self.experiment, self.rows) + limit_lines(self.experiment, self.rows)
         return told + theorem_lines(self.theorems.claims) + solved + refined
 
     @property
@@ -135,6 +138,8 @@ class Comparison(Shown):
                 figures["lemma1_hypotheses"] = item.hypotheses.to_json_dict()
                 figures["lemma1_parts"] = [part.to_json_dict() for part in item.parts]
             figures["theorems"] = self.theorems.of_first_trial(str(rows.controller.iloc[0]))
+            if self.experiment.plant.limits is not None:
+                figures["trip"] = self._trip(label)
             if label in self.tool:
                 figures["tool"] = tool_figures(rows)
             if self.refinement is not None:
@@ -142,6 +147,7 @@ class Comparison(Shown):
             controllers[label] = figures
         return {
             "arm": self.arm.name,
+            "limits": self.experiment.plant.limits,
             "out": str(self.out),
             "experiment": self.experiment.name,
             "joints": list(self.arm.joint_names),
@@ -152,6 +158,11 @@ class Comparison(Shown):
             "comparisons": [item.to_json_dict() for item in paired(self.rows)],
             "warnings": list(self.warnings),
         }
+
+    def _trip(self, label: str) -> dict[str, Any] | None:
+        """What would first have stopped the robot in any trial; null where nothing would."""
+        trip = self.trips.get(label)
+        return None if trip is None else {**asdict(trip), "joint": self.arm.joint_names[trip.joint]}
 
 
 def summary_rows(

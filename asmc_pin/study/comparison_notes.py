@@ -14,9 +14,10 @@ from asmc_pin.condition.norm.two_conditions import lemma1_norm
 from asmc_pin.condition.premises import hypotheses_on, premises_along
 from asmc_pin.controllers import Controller, Setpoint
 from asmc_pin.experiment import Experiment
+from asmc_pin.experiment.named_robot import trip_words
 from asmc_pin.plant import MovingArm, Plant
 from asmc_pin.references import check_reference
-from asmc_pin.results.ensemble_summary import ends, failures
+from asmc_pin.results.ensemble_summary import ends, failures, figures_by_trial
 from asmc_pin.sampled.gain_warnings import gain_warnings
 from asmc_pin.sampled.noise.noise_warnings import noise_warnings
 from asmc_pin.study.ensemble import Ensemble
@@ -196,8 +197,8 @@ def before_the_run(
     return lines + noise_warnings(arms, laws, sensor, experiment.period, delay=delay, effort_limit=weakest.min(axis=0))
 
 
-def after_the_run(label: str, found: Ensemble) -> list[str]:
-    """Warnings about what happened: trials that diverged, joints that left their limits."""
+def after_the_run(experiment: Experiment, label: str, found: Ensemble) -> list[str]:
+    """Warnings about what happened: trials that diverged, a robot that would have stopped, joints out of range."""
     failed, ended = failures(found.rows)[0], ends(found.rows)[0]
     lines = []
     if failed.any():
@@ -209,6 +210,13 @@ def after_the_run(label: str, found: Ensemble) -> list[str]:
                 f"{label} diverged in {int(failed.sum())} of {len(failed)} trials, the first at {first}; a trial that "
                 "diverged counts as worse than any figure"
             )
+    robot = experiment.plant.limits
+    if found.trip is not None and robot is not None:
+        said = trip_words(robot, found.first.joint_names, found.trip)
+        tripped = figures_by_trial(found.rows, "trip_time")[0]
+        count = int(np.isfinite(tripped).any(axis=1).sum())
+        share = f" (in {count} of {len(failed)} trials, this the first)" if len(failed) > 1 else ""
+        lines.append(f"{label}: {said}{share}")
     return lines + [f"{label}: {line}" for line in found.warnings]
 
 

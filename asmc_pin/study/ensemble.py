@@ -19,6 +19,7 @@ from asmc_pin.engine import Rollout
 from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment import Experiment
 from asmc_pin.experiment.toml_keys import MOST_TICKS
+from asmc_pin.metrics import Trip
 from asmc_pin.plant.sensor.trial_noise import START, generator
 from asmc_pin.statistics.order_statistics import HIGH, LOW, quantile
 from asmc_pin.tool_error import ToolError
@@ -38,6 +39,7 @@ class Ensemble:
         seconds: That all of it took.
         warnings: Of all trials.
         tool: Error of the tool in trial 0, if the experiment names one.
+        trip: The first limit of the named robot that any trial was beyond, if it names one and any was.
     """
 
     rows: pd.DataFrame
@@ -46,6 +48,7 @@ class Ensemble:
     seconds: float
     warnings: tuple[str, ...]
     tool: ToolError | None = None
+    trip: Trip | None = None
 
 
 def starts(experiment: Experiment) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from asmc_pin.arms.robot_limits import LIMITED_QUANTITIES
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
 from asmc_pin.results.ensemble_summary import failures, figures_by_trial, labels_of, sensitivity
@@ -34,16 +35,27 @@ def sensitivity_lines(experiment: Experiment, rows: pd.DataFrame) -> list[str]:
     ]
 
 
-def torque_rate_lines(experiment: Experiment, rows: pd.DataFrame) -> list[str]:
-    """Which laws would have run on a robot that limits how fast its torque changes."""
-    limit = np.unique(experiment.metrics.torque_rate_limit)
-    if not np.isfinite(limit).any():
-        return []
-    ticks = figures_by_trial(rows, "torque_rate_ticks")
-    ran = {True: [], False: []}  # type: dict[bool, list[str]]
-    for label, own in zip(labels_of(rows), ticks, strict=True):
-        ran[bool(np.all(own == 0.0))].append(label)
-    robot = f"a {', '.join(f'{x:g}' for x in limit)} N·m/s robot"
-    parts = [f"{', '.join(ran[True])} would have run on {robot} in every trial"] if ran[True] else []
-    parts += [f"{', '.join(ran[False])} would have tripped {robot} in at least one trial"] if ran[False] else []
-    return [f"torque rate: {'; '.join(parts)}"]
+def limit_lines(experiment: Experiment, rows: pd.DataFrame) -> list[str]:
+    """Which laws would have run on the robot that the experiment names; else on one that limits its torque's rate.
+
+    Args:
+        experiment: As run.
+        rows: Its summary.
+    """
+    robot = experiment.robot_limits
+    if robot is None:
+        limit = np.unique(experiment.metrics.torque_rate_limit)
+        if not np.isfinite(limit).any():
+            return []
+        ran = np.all(figures_by_trial(rows, "torque_rate_ticks") == 0.0, axis=(1, 2))
+        name, said = f"a {', '.join(f'{x:g}' for x in limit)} N·m/s robot", "torque rate: "
+    else:
+        ran = np.all(np.isnan(figures_by_trial(rows, "trip_time")), axis=(1, 2))
+        judged = [LIMITED_QUANTITIES[key][0] for key in robot.published]
+        others = [words for words, _ in LIMITED_QUANTITIES.values() if words not in judged]
+        missing = f" ({' and '.join(others)} not published, not judged)" if others else ""
+        name, said = str(experiment.plant.limits), f"limits of {robot.robot}, {' and '.join(judged)}{missing}: "
+    labels = np.array(labels_of(rows))
+    parts = [f"{', '.join(labels[ran])} would have run on {name} in every trial"] if ran.any() else []
+    parts += [f"{', '.join(labels[~ran])} would have tripped {name} in at least one trial"] if not ran.all() else []
+    return [said + "; ".join(parts)]

@@ -12,7 +12,7 @@ import pytest
 
 from asmc_pin.errors import ParameterError
 from asmc_pin.logs import LogOptions, read_log
-from asmc_pin.logs.resampling import at_equal_steps, low_passed, smoothing_spline, white_noise
+from asmc_pin.logs.resampling import at_equal_steps, low_passed, smoothing_curve, white_noise
 from asmc_pin.words.interface import speaking
 
 JOINTS = ("shoulder", "elbow")
@@ -202,10 +202,10 @@ def test_a_smoothing_spline_is_as_far_from_the_rows_as_their_rounding() -> None:
     t = np.arange(400) * 0.01
     count = 1e-3
     rounded = count * np.round(np.sin(t) / count)
-    smooth, penalty = smoothing_spline(t, rounded, count / np.sqrt(12.0))
-    assert penalty > 0.0
+    smooth = smoothing_curve(t, rounded, count / np.sqrt(12.0))(t)
     assert np.sqrt(np.mean((smooth - rounded) ** 2)) == pytest.approx(count / np.sqrt(12.0), rel=0.1)
     assert np.sqrt(np.mean((smooth - np.sin(t)) ** 2)) < 0.6 * count / np.sqrt(12.0)
+    np.testing.assert_allclose(smoothing_curve(t, rounded, 0.0)(t), rounded, atol=1e-12)
 
 
 def test_the_log_of_a_real_arm_is_read_and_its_oddities_are_counted() -> None:

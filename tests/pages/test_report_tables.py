@@ -37,6 +37,7 @@ def summary(joints=("arm_shoulder_joint", "arm_elbow_joint"), kinds=("revolute",
             "status": "ok",
             "end_time": 1.0,
             **dict.fromkeys(METRICS, 1.0),
+            "trip_time": np.nan,  # no robot is named
         }
         for label in ("PPC", "50% | {x}_1")
         for joint, kind in zip(joints, kinds, strict=True)

@@ -62,6 +62,12 @@ def test_failures_are_never_dropped_and_what_is_undefined_in_all_stays_undefined
     assert (with_failures(np.full((2, 1), np.nan), np.array([True, True])) == INF).all()
 
 
+def test_a_trial_that_never_tripped_counts_as_later_than_any_also_where_only_a_failure_has_a_time():
+    figures = np.array([[0.4], [np.nan], [np.nan]])
+    assert with_failures(figures, np.array([True, False, False])).ravel().tolist() == [0.4, INF, INF]
+    assert spread_of(with_failures(figures, np.array([True, False, False]))).median.tolist() == [INF]
+
+
 # Bootstrap -----------------------------------------------------------------------------------------------------------
 
 # Efron, Tibshirani (1993), An Introduction to the Bootstrap, table 14.1, test A; table 14.2 has the interval.

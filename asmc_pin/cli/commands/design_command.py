@@ -47,8 +47,9 @@ from asmc_pin.cli.sensor_options import (
     VelocityOption,
     sensor_of,
 )
+from asmc_pin.disk.files import check_writable, write_whole
 from asmc_pin.errors import ParameterError
-from asmc_pin.words.choices import Form, Objective
+from asmc_pin.words.choices import Form, Objective, Pairing, Velocity
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -99,6 +100,13 @@ def design(
     gear: GearOption = None,
     velocity_noise: VelocityNoiseOption = None,
     torque_noise: TorqueNoiseOption = None,
+    yaml: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE",
+            help="For --gains: those of the PID that (7) is with backward differences, as ros2_control's parameters.",
+        ),
+    ] = None,
     noise_budget: Annotated[
         str | None,
         typer.Option(
@@ -118,6 +126,8 @@ def design(
 ) -> None:
     """Find the M̄ of least contraction, or of the fastest estimate. Exit status 1 when none satisfies the condition.
 
+    With --yaml the gains are designed for that PID's own loop, velocity by difference and the last torque.
+
     With --gains --certify it is also said what is proven of the gains' loop; 1 too where that refutes what a search
     found stable. --certificate then writes that proof to FILE, and the one of M̄ beside it, to FILE with -mbar in its
     name. Sensor options count for --gains.
@@ -131,6 +141,8 @@ def design(
     if (law is not None or settings) and not gains:
         raise ParameterError("--law" if law is not None else "--set", "is for gains: add --gains and --period")
     own = settings_of(law, settings)
+    if yaml is not None:
+        pairing, velocity = _of_a_pid(context, yaml, gains=gains, law=law)
     if law is not None:
         from asmc_pin.sampled.gain_choice.law_choice import checked_law
 
@@ -143,6 +155,10 @@ def design(
         from asmc_pin.words.units import check_period
 
         check_period(length, "--period")
+        if yaml is not None:
+            from asmc_pin.sampled.gain_choice.pid_parameters import update_rate
+
+            update_rate(length)
     loaded, domain = open_domain(arm, loading)
     sensor = sensor_of(
         loaded.nv,
@@ -193,6 +209,7 @@ def design(
             gain_margin=gain_margin,
             delay_margin=delay_margin,
             coulomb=losses,
+            pid=yaml is not None,
             law=law,
             settings=own,
             box=ranges,
@@ -206,6 +223,10 @@ def design(
         elif certificate is not None:
             note(f"no gains were found, so no certificate of them was written to {certificate}")
         content["gains"] = suggested.to_json_dict()
+        if yaml is not None and suggested.report is not None:
+            content["gains"]["pid"] |= _write_pid(loaded, suggested, yaml)
+        elif yaml is not None:
+            note(f"no gains were found, so {yaml} was not written")
         # One M̄ is printed, that of the gains.
         lines = [*found.lines(with_mbar=False), *suggested.lines()]
     if as_json:
@@ -230,6 +251,45 @@ def _say_next(context: typer.Context, found: DesignReport, *, gains: bool, certi
         say_next("what can be proven of them", again(context, "design", "--gains", "--certify", also=(*kept, *margins)))
     else:
         say_next("an experiment to put them into", "asmc-pin new mine.toml --from demo")
+
+
+def _of_a_pid(context: typer.Context, yaml: str, *, gains: bool, law: str | None) -> tuple[Pairing, Velocity]:
+    """The pairing and the velocity of a PID's loop, which are those that `--yaml` designs for.
+
+    Raises:
+        ParameterError: something else is asked for.
+    """
+    if not gains:
+        raise ParameterError("--yaml", "is for gains: add --gains and --period")
+    if law is not None:
+        raise ParameterError(
+            "--yaml", f"is of PPC's gains, which a PID can have, not of those of {law}; leave --law out"
+        )
+    for name, fitting in (
+        ("velocity", "difference"),
+        ("pairing", "last"),
+        ("filter_hz", None),
+        ("velocity_filter_hz", None),
+    ):
+        given, source = context.params.get(name), context.get_parameter_source(name)
+        if source is not None and source.name == "COMMANDLINE" and given != fitting:
+            option = f"--{name.replace('_', '-')}"
+            raise ParameterError(
+                option,
+                f"{given} given, but a PID takes differences of angles and nothing is filtered in it; leave it out, or "
+                "leave --yaml out",
+            )
+    check_writable(yaml)
+    return "last", "difference"
+
+
+def _write_pid(arm: Arm, design: GainDesign, yaml: str) -> dict[str, Any]:
+    """Write the PID that gains are; p, i and d, for ``gains.pid``."""
+    from asmc_pin.sampled.gain_choice.pid_parameters import pid_gains, pid_yaml
+
+    write_whole(yaml, pid_yaml(design, arm))
+    note(f"ros2_control parameters: {yaml}")
+    return {**{name: values.tolist() for name, values in zip("pid", pid_gains(design), strict=True)}, "yaml": yaml}
 
 
 def _beside(certificate: str) -> str:

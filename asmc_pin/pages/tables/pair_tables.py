@@ -19,13 +19,14 @@ PAIRS_READ = (
 def figures_read(summary: pd.DataFrame) -> str:
     """How the figures of a table are to be read, for the words beside it."""
     trials = summary.trial.nunique()
+    tripped = " (under “trips”: never)" if summary.trip_time.notna().any() else ""
     if trials == 1:
-        return "Marked: the best figure of a column, in this single run. Dash: not defined."
+        return f"Marked: the best figure of a column, in this single run. Dash: not defined{tripped}."
     return (
         f"Figures are medians of {trials} trials whose starts nobody could tell apart, with their 5 % … 95 % where "
         "that differs: numerical sensitivity for this plant and these gains. A trial that diverged counts as worse "
         "than any figure. Marked: the best figure of a column, where its paired ratio to every other excludes 1. "
-        "Dash: not defined, or most trials diverged."
+        f"Dash: not defined{tripped}, or most trials diverged."
     )
 
 

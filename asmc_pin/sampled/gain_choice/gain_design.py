@@ -13,10 +13,13 @@ from asmc_pin.sampled.gain_choice.gain_search import USEFUL, Margins
 from asmc_pin.sampled.gain_choice.law_choice import Bought
 from asmc_pin.sampled.gain_choice.pid_tuning import pid_of
 from asmc_pin.sampled.noise.sensor_noise import NOISE_KEYS
-from asmc_pin.sampled.sampled_loop import SampledLoop, law_name, settings_words
+from asmc_pin.sampled.sampled_loop import SampledLoop, settings_words
 from asmc_pin.sampled.stability_report import StabilityReport, margin_words
 from asmc_pin.words.shown import Shown
 from asmc_pin.words.text import rounded_up
+
+PID = "pid"
+"""Name of the law of a design that is of a PID's own loop."""
 
 _TIMING = ("acceleration", "filter_hz", "delay", "velocity", "velocity_filter_hz", "reading_delay", "pairing")
 _KEPT = (*_TIMING, "kind", "spectral_radius", "rest_spectral_radius", "decay_rate", *NOISE_KEYS)
@@ -65,7 +68,7 @@ class GainDesign(Shown):
         armature: What each joint's armature would have to grow by for k_s of at least `USEFUL` with the margins asked
             for, shape (nv,), kg·m²; None where that is not needed, or not known.
         noise_budget: RMS of torque that the sensor's noise was allowed, shape (nv,), N·m; None for any.
-        law: Name of the law that they are for; empty for PPC.
+        law: Name of the law that they are for; empty for PPC, `PID` for the PID that PPC is with differences.
         bought: What they are worth against PPC's; None for PPC itself, and where it has none.
         unproven: Why no proof of the loop was tried; empty where one was, or was not asked for.
     """
@@ -142,7 +145,7 @@ class GainDesign(Shown):
             "met": self.met,
             "noise_budget": None if self.noise_budget is None else self.noise_budget.tolist(),
             "noise_met": None if self.noise_budget is None else self.quiet,
-            "pid": None if self.report is None or self.law else pid_of(self.loop).to_json_dict(),
+            "pid": None if self.report is None or self.law not in ("", PID) else pid_of(self.loop).to_json_dict(),
             "proof": {"verdict": "searched", "reason": self.unproven} if self.unproven else stable.get("proof"),
             "useful": self.useful,
             "law": None if self.report is None else stable.get("law"),
@@ -181,7 +184,8 @@ class GainDesign(Shown):
             if share < 1.0
             else f"{title}: β = {self.loop.beta[0]:.6g} 1/s, k_s = {self.loop.ks[0]:.6g} 1/s, and this M̄:",
             mbar,
-            *([f"law {law_name(self.loop.law)}: {settings_words(self.loop.law)}"] if self.law else []),
+            *([f"law {self.law}: {settings_words(self.loop.law)}"] if self.law not in ("", PID) else []),
+            *(["of the PID that keeps its own integral and is not told the torque applied"] if self.law == PID else []),
             f"with {self.loop.timing_words()}",
             f"margins, at rest under gravity and of the inertia alone, where searched: {reached}",
         ]
@@ -193,7 +197,7 @@ class GainDesign(Shown):
         said += [*self._budget_line(), *self.why, *self._armature_line(), *self._proof_lines(), *self.expected.lines()]
         noise = [] if self.report.noise is None else self.report.noise.lines(self.loop)
         worth = [self.bought.line()] if self.bought is not None else []
-        return [*said, *noise, *([] if self.law else [pid_of(self.loop).line(self.loop)]), *worth]
+        return [*said, *noise, *([pid_of(self.loop).line(self.loop)] if self.law in ("", PID) else []), *worth]
 
     def _quiet(self) -> str:
         return "" if self.noise_budget is None else f", with torque noise up to {_list(self.noise_budget)} N·m"

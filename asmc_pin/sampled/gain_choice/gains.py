@@ -17,11 +17,13 @@ from asmc_pin.errors import ParameterError
 from asmc_pin.sampled.critical_points import Critical, critical_set
 from asmc_pin.sampled.error_prediction import drift_error, step_response
 from asmc_pin.sampled.frozen_arms import frozen_arms
-from asmc_pin.sampled.gain_choice.gain_design import ExpectedErrors, GainDesign
+from asmc_pin.sampled.gain_choice.gain_design import PID, ExpectedErrors, GainDesign
 from asmc_pin.sampled.gain_choice.gain_search import USEFUL, GainSearch, Margins, rank_of
 from asmc_pin.sampled.gain_choice.hindrances import armature_wanted, hindrances, loudness
 from asmc_pin.sampled.gain_choice.law_choice import Bought, best_of_law, checked_law, law_searches
 from asmc_pin.sampled.gain_choice.noise_budget import NoiseBudget, budget_of, filtered
+from asmc_pin.sampled.gain_choice.pid_tuning import is_pid
+from asmc_pin.sampled.gain_choice.stored_pid import pid_loop
 from asmc_pin.sampled.loop_analysis import examine, loop_for, spaces_of
 from asmc_pin.sampled.noise.sensor_model import LoopSensor
 from asmc_pin.sampled.sampled_loop import Acceleration, Pairing, SampledLoop
@@ -50,6 +52,7 @@ def suggest_gains(
     gain_margin: float = 2.0,
     delay_margin: float = 1.0,
     scale_mbar: bool = True,
+    pid: bool = False,
     law: str | None = None,
     settings: Mapping[str, Any] | None = None,
     speed: ArrayLike = 1.0,
@@ -84,6 +87,9 @@ def suggest_gains(
         gain_margin: Factor above 1 by which the torque gain may be off, either way.
         delay_margin: Delay that may come on top, periods, 0 or more.
         scale_mbar: Whether M̄ may be scaled down.
+        pid: Gains for the PID that PPC is with backward differences, by that PID's own map: it keeps its integral and
+            is not told the torque that was applied, so a delay is another to it. Needs a velocity by difference,
+            `pairing` ``"last"`` and no filter.
         law: ``"dob"`` or ``"implicit"``: gains for that law, with its low-pass or its share, in the place of PPC's.
             What they are worth against PPC's is then said, with the same margins and no more noise than PPC makes or
             than `noise_budget` allows.
@@ -134,6 +140,13 @@ def suggest_gains(
     timing: dict[str, Any] = {"acceleration": acceleration, "filter_hz": filter_hz, "delay": delay, "pairing": pairing}
     timing |= {} if sensor is None else sensor.timing
     unit = loop_for(arms.arm, mbar, 1.0, 1.0, period, **timing)
+    if pid:
+        if law is not None or not is_pid(unit):
+            raise ParameterError(
+                "pid",
+                "is for PPC with velocity by difference, pairing 'last', no filter; take these, and no other law",
+            )
+        unit = pid_loop(unit)
     _check("gain_margin", gain_margin, 1.0)
     _check("delay_margin", delay_margin, 0.0)
     check_delay(delay_margin, period, "delay_margin")
@@ -150,11 +163,12 @@ def suggest_gains(
         return _chosen(search, asked) if budget is None else _within(search, asked, budget)
 
     chosen = choose()
+    kind = PID if pid else law or ""
     if chosen is None and law is not None:
         return GainDesign(arms.about, unit, asked, None, None, (), None, limit, law=law)
     if chosen is None:
         why, wanted = hindrances(search.critical, _slow(unit), Margins((1.0, 1.0), 0.0)), armature_wanted(search, asked)
-        return GainDesign(arms.about, unit, asked, None, None, why, wanted, limit)
+        return GainDesign(arms.about, unit, asked, None, None, why, wanted, limit, law=kind)
     report = examine(spaces, chosen, limits=True, known=list(search.critical.points), sensor=sensor)
     for _ in range(_AGAIN):
         noise = report.noise
@@ -167,7 +181,7 @@ def suggest_gains(
     if coulomb is None:
         coulomb = arms.arm.friction if arms.arm.friction.any() else 1.0
     expected = _expected(search.critical, spaces[-1], chosen, speed, coulomb)
-    design = GainDesign(arms.about, unit, asked, report, expected, (), None, limit, law=law or "")
+    design = GainDesign(arms.about, unit, asked, report, expected, (), None, limit, law=kind)
     if plain is not None:
         return replace(design, bought=_bought(design, plain))
     if design.met and design.useful and design.quiet:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.sampled.gain_choice.stored_pid import StoredPid
 from asmc_pin.sampled.sampled_loop import SampledLoop
 
 
@@ -34,15 +35,9 @@ class PidTuning:
 
     def line(self, loop: SampledLoop) -> str:
         """In a sentence, with whose margins it has."""
-        itself = (
-            loop.velocity == "difference"
-            and not loop.averages_torque
-            and loop.filter_hz is None
-            and loop.velocity_filter_hz is None
-        )
         margins = (
             "it is the loop of these margins"
-            if itself
+            if is_pid(loop)
             else "its margins are those of that loop (--velocity difference --pairing last, no filter), not these"
         )
         k = ", ".join(f"{value:.6g}" for value in self.k)
@@ -50,6 +45,14 @@ class PidTuning:
             f"with v and q̈ by backward differences and the last torque this law equals the velocity-form PID of "
             f"K = ({k}) N·m/rad, T_I = {float(self.ti[0]):.6g} s, T_D = {float(self.td[0]):.6g} s; {margins}"
         )
+
+
+def is_pid(loop: SampledLoop) -> bool:
+    """Whether a loop is the PID's own: one that keeps its integral, or v by difference, the last torque, no filter."""
+    if isinstance(loop.law, StoredPid):
+        return True
+    bare = loop.law is None and loop.filter_hz is None and loop.velocity_filter_hz is None
+    return bare and loop.velocity == "difference" and not loop.averages_torque
 
 
 def pid_of(loop: SampledLoop) -> PidTuning:
