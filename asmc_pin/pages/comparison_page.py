@@ -29,6 +29,7 @@ from asmc_pin.pages.interactive.figure_element import figure_element, figure_scr
 from asmc_pin.pages.plain_words.after_comparison import after_comparison
 from asmc_pin.pages.plain_words.first_screen import allowed, compared, mbar_verdicts, winners
 from asmc_pin.pages.plain_words.terms import term_link, terms_html
+from asmc_pin.pages.plates import page_script
 from asmc_pin.pages.summary_tables import (
     figure_of_all,
     metric_table,
@@ -38,6 +39,7 @@ from asmc_pin.pages.summary_tables import (
     short_names,
     tool_table,
 )
+from asmc_pin.pages.tables.findings_page import experiment_details
 from asmc_pin.pages.tables.pair_tables import PAIRS_READ, figures_read, pair_table
 from asmc_pin.pages.tables.text_table import NOTHING, UNCONVERGED, Table, number
 from asmc_pin.pages.theorem_figures import CAPTION as THEOREMS_CAPTION
@@ -95,7 +97,7 @@ def report_text(result: Result) -> str:
         title=for_html(f"{result.experiment.name}: {' · '.join(_label_list(result))}"),
         style=static("player.css") + _static("report.css"),
         body="\n".join(body),
-        scripts="\n".join([player_scripts(), figure_scripts(), f"<script>{_static('report.js')}</script>"]),
+        scripts="\n".join([player_scripts(), figure_scripts(), f"<script>{page_script()}</script>"]),
     )
 
 
@@ -243,7 +245,7 @@ def _conditions(result: Result) -> Iterator[str]:
     yield '<h2 id="conditions">Arm and experiment</h2>'
     yield scroll("Joints of the arm", table_html(_joint_table(arm), {}))
     yield definition_list(about.rows())
-    yield details("The experiment as run", f"<pre>{for_html(result.experiment.to_toml().strip())}</pre>")
+    yield experiment_details("The experiment as run", result.experiment.to_toml())
 
 
 def _about(result: Result) -> tuple[Premises, Arm]:

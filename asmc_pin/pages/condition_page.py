@@ -12,6 +12,7 @@ from asmc_pin.condition import ConditionReport, DesignReport
 from asmc_pin.disk.files import write_whole
 from asmc_pin.pages.condition_figures import COLOURS, along_figure, distribution_figure, maps_figure, trade_off_figure
 from asmc_pin.pages.condition_words import facts, headline, joint_table, meaning, sentence
+from asmc_pin.pages.html_fragments import scroll, table_html
 from asmc_pin.pages.plates import Plate, framed, is_html, write_beside
 from asmc_pin.pages.tables.text_table import Table, markdown_table
 from asmc_pin.viewer.drawing.drawn_bodies import draw
@@ -85,16 +86,8 @@ def _html(report: ConditionReport | DesignReport, arm: Arm, plates: list[Plate])
     body.append("</dl>")
     if check is not None:
         head, rows = joint_table(check, arm)
-        cells = "".join(
-            "<tr>"
-            + f'<th scope="row">{for_html(row[0])}</th>'
-            + "".join(f"<td>{for_html(c)}</td>" for c in row[1:])
-            + "</tr>"
-            for row in rows
-        )
-        header = "".join(f'<th scope="col">{for_html(cell)}</th>' for cell in head)
-        body.append('<h2>Joints and the worst configuration</h2><div class="scroll" tabindex="0">')
-        body.append(f"<table><thead><tr>{header}</tr></thead><tbody>{cells}</tbody></table></div>")
+        title = "Joints and the worst configuration"
+        body += [f"<h2>{title}</h2>", scroll(title, table_html(Table("", head, rows), {}))]
         body.append(f"<h3>{for_html(check.subject.name)} in its worst configuration</h3>")
         body.append(f'<div class="panel">{_posture(check)}</div>')
         if check.motion is not None:

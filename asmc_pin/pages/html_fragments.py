@@ -18,7 +18,7 @@ def table_html(table: Table, colours: Mapping[str, str]) -> str:
         colours: Colour of each controller, shown beside its name.
     """
     marked = table.marked()
-    head = "".join(f'<th scope="col">{for_html(cell)}</th>' for cell in table.header)
+    head = "".join(f'<th scope="col">{for_html(cell).replace("_", "_<wbr>")}</th>' for cell in table.header)
     rows = []
     for i, line in enumerate(table.rows):
         colour = colours.get(line[0]) or colours.get(line[0].partition(", trial ")[0])

@@ -65,6 +65,11 @@ def write_beside(path: Path, plates: Iterable[Plate]) -> None:
         write_whole(path.with_name(f"{path.stem}_{plate.name}.png"), plate.png())
 
 
+def page_script() -> str:
+    """What every page does besides its figures: hints on wide tables, the legend, and paper."""
+    return (files("asmc_pin.pages") / "static" / "report.js").read_text(encoding="utf-8")
+
+
 def framed(title: str, body: list[str], *, player: bool) -> str:
     """A whole HTML page.
 
@@ -79,5 +84,5 @@ def framed(title: str, body: list[str], *, player: bool) -> str:
         title=for_html(title),
         style=static("player.css") + own("report.css").read_text(encoding="utf-8"),
         body="\n".join(body),
-        scripts=player_scripts() if player else "",
+        scripts="\n".join([*([player_scripts()] if player else []), f"<script>{page_script()}</script>"]),
     )

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from asmc_pin._typing import Array, BoolArray
 from asmc_pin.disk.files import write_whole
 from asmc_pin.pages.figure_style import PAGE, paper_style
-from asmc_pin.pages.html_fragments import table_html
+from asmc_pin.pages.html_fragments import scroll, table_html
 from asmc_pin.pages.plates import Plate, framed, is_html, write_beside
 from asmc_pin.pages.tables.text_table import Table, markdown_table
 from asmc_pin.sampled.frozen_arms import FrozenArms
@@ -64,7 +64,7 @@ def write_stability_page(
         body = [f"<h1>{for_html(title)}</h1>", "<ul>"]
         body += [f"<li>{for_html(line)}</li>" for line in report.lines()]
         body += ["</ul>", f"<h2>Ranges</h2><p>{for_html(_method(curves, heavy))}</p>"]
-        body += ['<div class="scroll" tabindex="0">', table_html(table, {}), "</div>", "<h2>Figures</h2>"]
+        body += [scroll("Ranges", table_html(table, {})), "<h2>Figures</h2>"]
         body += [plate.html() for plate in plates]
         write_whole(path, framed(title, body, player=False))
         return

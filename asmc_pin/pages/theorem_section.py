@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 import pandas as pd
 
 from asmc_pin.monitors import STATEMENTS, STATUSES
-from asmc_pin.pages.html_fragments import definition_list, details
+from asmc_pin.pages.html_fragments import definition_list, details, scroll
 from asmc_pin.pages.theorem_tables import INTRODUCTION, TITLE, asked, reasons, theorem_table
 from asmc_pin.words.media import for_html
 
@@ -27,9 +27,9 @@ def theorem_section(claims: pd.DataFrame, colours: Mapping[str, str]) -> Iterato
     for i, label in enumerate(table.header[1:], start=1):
         chip = f'<span class="chip" style="--colour:{colours[label]}"></span>' if label in colours else ""
         cells = "".join(_cell(row[i]) for row in table.rows)
-        rows.append(f'<tr><th scope="row">{chip}{for_html(label)}</th>{cells}</tr>')
+        rows.append(f'<tr data-controller="{for_html(label)}"><th scope="row">{chip}{for_html(label)}</th>{cells}</tr>')
     body = f"<thead><tr><th></th>{head}</tr></thead><tbody>{''.join(rows)}</tbody>"
-    yield f'<div class="scroll" tabindex="0"><table class="claims">{body}</table></div>'
+    yield scroll(TITLE, f'<table class="claims">{body}</table>')
     texts = definition_list([(item.title, item.text) for item in shown])
     yield details("What each claim says", f'<div class="body">{texts}</div>')
     for label, lines in reasons(claims):

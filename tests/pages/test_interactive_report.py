@@ -52,16 +52,54 @@ def test_the_cursor_stands_where_the_scene_is(page: Page) -> None:
 
 
 def test_a_click_on_a_curve_takes_the_scene_to_that_time(page: Page) -> None:
-    x, y = page.run(
-        "(() => { const { body, view } = signalFigures[0].plots[0]; body.scrollIntoView({ block: 'center' });"
-        " const { left, top } = body.getBoundingClientRect(), f = view.frame.bbox;"
-        " return [left + f.left + 0.5 * f.width, top + f.top + 0.5 * f.height]; })()"
-    )
+    x, y = over_first_plot(page)
     for kind in ("mousePressed", "mouseReleased"):
         page.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
     page.run("new Promise((done) => setTimeout(done, 600))")  # a second click would make it a double one
     assert page.run("replays[0].time") == pytest.approx(0.2, abs=0.005)
     assert page.run("signalFigures[0].cursorTime(0)") == pytest.approx(page.run("replays[0].time"), abs=1e-3)
+
+
+def over_first_plot(page: Page) -> tuple[float, float]:
+    return page.run(
+        "(() => { const { body, view } = signalFigures[0].plots[0]; body.scrollIntoView({ block: 'center' });"
+        " const { left, top } = body.getBoundingClientRect(), f = view.frame.bbox;"
+        " return [left + f.left + 0.5 * f.width, top + f.top + 0.5 * f.height]; })()"
+    )
+
+
+def test_values_stand_under_the_pointer(page: Page) -> None:
+    x, y = over_first_plot(page)
+    for step in (0, 1, 2):
+        page.call("Input.dispatchMouseEvent", type="mouseMoved", x=x + step, y=y)
+    page.run(
+        "window.told = () => { const found = []; const walk = (node) => { for (const e of node.querySelectorAll('*'))"
+        " { if (e.className.includes?.('bk-tooltip-row-value')) found.push(e.textContent);"
+        " if (e.shadowRoot) walk(e.shadowRoot); } }; walk(document); return found; }, 0"
+    )
+    page.until("told().length > 1")
+    value, time = page.run("told()")[:2]
+    assert float(time.strip().removesuffix(" s")) == pytest.approx(0.2, abs=0.01)
+    result = awkward_result()
+    run = result.dataset.isel(trial=0).sel(controller=HOSTILE)
+    error = np.degrees((run.q_ref - run.q).sel(time=slice(0.18, 0.22)).isel(joint=0).to_numpy())
+    assert error.min() * (1 - 1e-2) - 1e-6 <= float(value) <= error.max() * (1 + 1e-2) + 1e-6
+    page.call("Input.dispatchMouseEvent", type="mouseMoved", x=2, y=2)
+
+
+def test_the_wheel_zooms_after_a_click_and_the_cursor_stays_at_its_time(page: Page) -> None:
+    x, y = over_first_plot(page)
+    wheel = {"type": "mouseWheel", "x": x, "y": y, "deltaX": 0, "deltaY": -240}
+    span = "signalFigures[0].range.end - signalFigures[0].range.start"
+    for kind in ("mousePressed", "mouseReleased"):
+        page.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+    page.run("new Promise((done) => setTimeout(done, 600))")  # as above
+    page.call("Input.dispatchMouseEvent", **wheel)
+    page.until(f"{span} < 0.35")
+    page.run(TICK)
+    assert page.run("signalFigures[0].cursorTime(0)") == pytest.approx(page.run("replays[0].time"), abs=1e-3)
+    page.run("signalFigures[0].reset()")
+    page.until(f"Math.abs({span} - 0.4) < 1e-6")
 
 
 def test_the_legend_hides_a_controller_in_curves_scene_and_tables_and_brings_it_back(page: Page) -> None:
@@ -155,6 +193,14 @@ def test_paper_gets_all_of_it_open_with_a_still_of_the_scene(browser: Browser, a
         assert still[1].startswith("The scene at 0.00 s")
         assert np.std(still[2]) > 10.0, "not blank"
         assert page.run("getComputedStyle(document.querySelector('.replay-stage')).display") == "none"
+        broken = page.run(
+            "[...document.querySelectorAll('th')].filter((th) => { const r = document.createRange();"
+            " const texts = [...th.childNodes].filter((n) => n.nodeType === 3); return texts.some((n) => "
+            "[...n.data.matchAll(/[\\p{L}\\d]+/gu)].some((w) => { r.setStart(n, w.index);"
+            " r.setEnd(n, w.index + w[0].length); return r.getClientRects().length > 1; })); })"
+            ".map((th) => th.textContent)"
+        )
+        assert broken == [], "no heading breaks within a word"
         page.run("dispatchEvent(new Event('afterprint'))")
         assert not page.run("document.querySelector('details').open")
         pdf = page.pdf()

@@ -13,7 +13,7 @@ from asmc_pin.identification.identification_report import Identification
 from asmc_pin.identification.mbar_along_log import MbarAlongLog
 from asmc_pin.log_rerun import LawOnLog
 from asmc_pin.pages.figure_style import GREY, PAGE, paper_style
-from asmc_pin.pages.html_fragments import table_html
+from asmc_pin.pages.html_fragments import scroll, table_html
 from asmc_pin.pages.identified.hindsight_section import hindsight_sections
 from asmc_pin.pages.plates import Plate, framed, is_html, write_beside
 from asmc_pin.pages.tables.text_table import Table, markdown_table
@@ -59,19 +59,17 @@ def write_identification_page(
             "</ul>",
         ]
         body += ["<h2>What is left of each joint's torque</h2>", f"<p>{for_html(_STAGES)}</p>"]
-        body += ['<div class="scroll" tabindex="0">', table_html(left, {}), "</div>"]
+        body += [scroll("What is left of each joint's torque", table_html(left, {}))]
         body += [plate.html() for plate in plates]
         if estimates is not None:
             body += [
                 "<h2>Estimates, 95 %</h2>",
-                '<div class="scroll" tabindex="0">',
-                table_html(estimates, {}),
-                "</div>",
+                scroll("Estimates", table_html(estimates, {})),
             ]
         body += [f"<p>{for_html(line)}</p>" for line in remarks]
         for section in after:
             body += [f"<h2>{for_html(section.title)}</h2>", *(f"<p>{for_html(line)}</p>" for line in section.lines)]
-            body += ['<div class="scroll" tabindex="0">', table_html(section.table, {}), "</div>"]
+            body.append(scroll(section.title, table_html(section.table, {})))
             body += [plate.html() for plate in section.plates]
         write_whole(path, framed(title, body, player=False))
         return

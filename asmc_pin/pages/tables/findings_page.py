@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from asmc_pin.disk.files import write_whole
-from asmc_pin.pages.html_fragments import details, table_html
+from asmc_pin.pages.html_fragments import details, scroll, table_html
 from asmc_pin.pages.plates import Plate, framed, is_html, write_beside
 from asmc_pin.pages.tables.text_table import Table, markdown_table
 from asmc_pin.words.media import for_html, for_markdown
@@ -73,7 +73,12 @@ class FindingsPage:
             body += [f"<h2>{section.title}</h2>", f'<p class="soft">{for_html(section.how)}</p>']
             for table in section.tables:
                 body += [f"<h3>{for_html(_name(table))}</h3>"] if section.named else []
-                body.append(f'<div class="scroll" tabindex="0">{table_html(table, self.colours)}</div>')
+                body.append(
+                    scroll(
+                        f"{section.title}: {_name(table)}" if section.named else section.title,
+                        table_html(table, self.colours),
+                    )
+                )
         body += ["<h2>Figures</h2>", *(plate.html() for plate in self.plates)]
         return framed(self.title, [*body, self.appendix] if self.appendix else body, player=False)
 
@@ -101,4 +106,6 @@ def _name(table: Table) -> str:
 
 def experiment_details(summary: str, toml: str) -> str:
     """An experiment to unfold, for the end of a page."""
-    return details(summary, f"<pre>{for_html(toml.strip())}</pre>")
+    return details(
+        summary, f'<pre role="region" aria-label="{for_html(summary)}" tabindex="0">{for_html(toml.strip())}</pre>'
+    )
