@@ -10,7 +10,7 @@ MUTANT_SEED ?= 0
 ORDER_SEED ?= 0
 PIP_INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-.PHONY: demo test test-all test-shuffled fuzz mutants lint typecheck soundness bench docs clean
+.PHONY: demo test test-all test-shuffled fuzz mutants lint typecheck soundness bench docs site clean
 
 demo: $(VENV)/.runtime  ## verify, compare and report on a UR5; results/demo/report.html
 	$(BIN)/asmc-pin demo
@@ -47,6 +47,10 @@ bench: $(VENV)/.dev  ## ratios, measured in one run
 docs: $(VENV)/.dev  ## the generated parts of README.md and docs/
 	$(BIN)/python docs/generate.py
 
+site: $(VENV)/.docs  ## the documentation as a site, results/site; a warning is an error
+	$(BIN)/python -m sphinx -c docs -j auto --fail-on-warning --keep-going --quiet . results/site
+	@echo "results/site/index.html"
+
 $(BIN)/python:
 	@$(PYTHON) -c 'import sys; sys.exit("asmc_pin needs Python 3.11 or newer, and $(PYTHON) is %d.%d: run make PYTHON=python3.11" % sys.version_info[:2] if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv $(VENV)
@@ -59,6 +63,10 @@ $(VENV)/.runtime: $(BIN)/python pyproject.toml constraints.txt
 
 $(VENV)/.dev: $(VENV)/.runtime
 	$(PIP_INSTALL) --editable '.[dev]'
+	@touch $@
+
+$(VENV)/.docs: $(VENV)/.dev
+	$(PIP_INSTALL) --editable '.[dev,docs]'
 	@touch $@
 
 $(VENV)/.mutants: $(VENV)/.dev

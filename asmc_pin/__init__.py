@@ -93,6 +93,7 @@ if TYPE_CHECKING:
     from asmc_pin.experiment.variation.axes import Variation as Variation
     from asmc_pin.experiment.variation.axes import VariedKey as VariedKey
     from asmc_pin.experiment.variation.draws import Distribution as Distribution
+    from asmc_pin.exploring import explore as explore
     from asmc_pin.identification.estimates import Estimate as Estimate
     from asmc_pin.identification.excitation import Confusion as Confusion
     from asmc_pin.identification.filtered_motion import FilteredMotion as FilteredMotion

@@ -238,12 +238,13 @@ class Values(Parameter[Array, Any]):
         shape: str,
         above: float | None = None,
         at_least: float | None = None,
+        at_most: float | None = None,
         default: float = REQUIRED,
     ) -> None:
         super().__init__(meaning, unit, default=default)
         self.axes = axes
         self.shape = shape
-        self.bound = _Number(unit, above, at_least)
+        self.bound = _Number(unit, above, at_least, at_most=at_most)
 
     def convert(self, value: Any) -> Array:
         """A read-only copy whose entries are finite and within the bound."""
@@ -278,6 +279,7 @@ class PerJoint(Values):
         *,
         above: float | None = None,
         at_least: float | None = None,
+        at_most: float | None = None,
         default: float = REQUIRED,
     ) -> None:
         super().__init__(
@@ -287,6 +289,7 @@ class PerJoint(Values):
             shape="a number or a list of one per joint",
             above=above,
             at_least=at_least,
+            at_most=at_most,
             default=default,
         )
 
@@ -325,9 +328,15 @@ class OptionalPerJoint(PerJoint):
     """A parameter as `PerJoint`, or None: what it describes is absent."""
 
     def __init__(
-        self, meaning: str, unit: str = "", *, above: float | None = None, at_least: float | None = None
+        self,
+        meaning: str,
+        unit: str = "",
+        *,
+        above: float | None = None,
+        at_least: float | None = None,
+        at_most: float | None = None,
     ) -> None:
-        super().__init__(meaning, unit, above=above, at_least=at_least)
+        super().__init__(meaning, unit, above=above, at_least=at_least, at_most=at_most)
         self.default = None
 
     def convert(self, value: Any) -> Any:

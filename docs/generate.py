@@ -11,6 +11,7 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import site_parts  # noqa: F401  (registers parts)
 from derived_parts import PARTS
 
 from asmc_pin.disk.files import write_whole
@@ -23,7 +24,7 @@ _PART = re.compile(r"(<!-- begin ([\w-]+) -->\n).*?(<!-- end \2 -->)", re.DOTALL
 
 def pages() -> list[Path]:
     """Every page in which a part may stand."""
-    return sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+    return sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), *(ROOT / "docs" / "howto").glob("*.md")])
 
 
 def parts_of(text: str) -> list[str]:

@@ -11,7 +11,7 @@ from paths import REPOSITORY
 from asmc_pin.experiment import experiment_names
 
 ROOT = REPOSITORY
-PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), ROOT / "benchmarks" / "README.md"])
+PAGES = sorted([*generate.pages(), ROOT / "benchmarks" / "README.md"])
 
 
 def test_everything_that_is_derived_is_fresh():
@@ -53,7 +53,7 @@ def test_every_shipped_experiment_is_explained():
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_links_lead_to_files_of_the_repository(path):
-    prose = re.sub(r"```.*?```|`[^`\n]*`", "", path.read_text(encoding="utf-8"), flags=re.DOTALL)
+    prose = re.sub(r"<!--.*?-->|```.*?```|`[^`\n]*`", "", path.read_text(encoding="utf-8"), flags=re.DOTALL)
     for target in re.findall(r"\]\((?!https?:|#)([^)#\s]+)", prose):
         assert (path.parent / target).exists(), f"{path.name} links to {target}"
 
@@ -61,6 +61,7 @@ def test_links_lead_to_files_of_the_repository(path):
 def prose_lines(text):
     """The lines of a page that are prose: no table, code, derived or generated part, and no image alone on its line."""
     text = re.sub(r"^<!-- (begin|from here: ).*?^<!-- (end|to here: )", "", text, flags=re.MULTILINE | re.DOTALL)
+    text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
     text = re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
     for line in text.splitlines():
         if not line.startswith(("|", "    ")) and not re.fullmatch(r"!?\[[^\]]*\]\([^)]*\)", line.strip()):

@@ -20,7 +20,7 @@ by_name = pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_there_are_eight_and_the_readme_names_them():
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     assert len(EXAMPLES) == 8
-    assert "](examples/)" in readme
+    assert "`examples/`" in readme
 
 
 @by_name

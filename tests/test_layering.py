@@ -117,6 +117,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         "viewer",
         "statistics",
     },
+    "exploring": {"arms", "condition", "rigid_body", "viewer", "pages"},
 }
 EVERYTHING = {*MAY_IMPORT, "package"}
 MAY_IMPORT["study"] = EVERYTHING
@@ -147,6 +148,7 @@ KNOW_THE_MODEL = {
 # Libraries with one home, so that what it costs to change them is known.
 HOME = {
     "pinocchio": {"arms", "plant"},
+    "coal": {"exploring"},
     "meshcat": {"viewer"},
     "matplotlib": {"pages", "reproduction"},
     "cvxpy": {"condition", "identification"},

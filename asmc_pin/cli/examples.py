@@ -40,6 +40,11 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = MappingProxyType(
             "view demo --mp4 demo.mp4",
             "view ur5_robustness-sweep --follow",
         ),
+        "explore": (
+            "explore ur5 --mbar 0.148,0.167,0.150,0.081,0.093,0.0171",
+            "explore ur5 --mbar 0.148,0.167,0.150,0.081,0.093,0.0171 --certify --html ur5.html",
+            "explore two_link --mbar 0.02 --ks 5 --beta 5 --period 0.001",
+        ),
         "inspect": (
             "inspect ur5 --html ur5.html",
             "inspect my_robot.urdf --package my_robot_description=./description",

@@ -13,7 +13,9 @@ from asmc_pin._typing import Array, BoolArray
 from asmc_pin.engine import Rollout, rollout
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
+from asmc_pin.metrics.metric_registry import LEAST
 from asmc_pin.monitors import monitor
+from asmc_pin.statistics.joint_mean import joint_mean
 from asmc_pin.statistics.order_statistics import spread_of, with_failures
 from asmc_pin.statistics.paired_ratio import ratio_interval
 
@@ -29,7 +31,8 @@ def measure(run: Rollout, law: str, window: float | None) -> dict[str, Any]:
     Returns:
         ``rms_deg, max_error_deg, torque_max, torque_variation, max_s, peak_gain, peak_gain_before,
         peak_gain_last_quarter`` by joint, in deg, N·m, N·m/s, rad/s and rad/s²; ``gain_times``: time in which the gain
-        of joint 1 rises from 10 to 90 % of its peak, and from the peak falls to half of it, s. Each a median, with
+        of joint 1 rises from 10 to 90 % of its peak, and from the peak falls to half of it, s; ``mean_rms_deg``: one
+        number, the geometric mean of a trial's RMS errors over the joints. Each a median, with
         ``…_low`` and ``…_high`` for 5 % and 95 %. ``trials``, ``failed``; ``status`` and ``end_time`` of the first that
         diverged, if one did.
     """
@@ -44,6 +47,7 @@ def measure(run: Rollout, law: str, window: float | None) -> dict[str, Any]:
     }
     figures = {
         "rms_deg": rms_by_trial(run, window),
+        "mean_rms_deg": joint_mean(rms_by_trial(run, window), np.degrees(LEAST))[:, None],
         "max_error_deg": np.degrees(METRICS["max_error"](run)),
         **{name: METRICS[name](run) for name in ("torque_max", "torque_variation")},
         "max_s": np.max(np.abs(run.s), axis=1),

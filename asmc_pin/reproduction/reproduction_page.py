@@ -96,31 +96,30 @@ def summary_lines(data: Mapping[str, Any]) -> list[str]:
     """A sentence for each experiment: how far the rows with printed gains are from the paper."""
     lines = []
     for item in data["experiments"].values():
-        ratios = [f"{label} {_times(item, label)}" for label in ("PPC", "Proposed") if label in item["controllers"]]
+        told, runs = item["paper"]["rms_deg"], item["controllers"]
+        ratios = [f"{label} {_over(runs[label], told[label])}" for label in ("PPC", "Proposed") if label in runs]
         reading = words(item["reading"])
-        lines.append(f"Table {item['table']}, {item['set']}{reading}: measured over printed RMS, {'; '.join(ratios)}")
+        lines.append(
+            f"Table {item['table']}, {item['set']}{reading}: measured over printed RMS, joint 1 / joint 2, "
+            f"{'; '.join(ratios)}"
+        )
     return lines
 
 
 def _tuned_lines(data: Mapping[str, Any]) -> Iterator[str]:
     """How the tuned laws compare."""
     for item in data["experiments"].values():
-        runs = {label: item["controllers"][label]["rms_deg"] for label in ("PPC", *item["tuned"])}
-        means = [f"{label} {_number(_mean(values))}" for label, values in runs.items()]
+        labels = "PPC", *item["tuned"]
+        means = [f"{label} {medians(item['controllers'][label], 'mean_rms_deg')}" for label in labels]
         yield (
             f"Table {item['table']}, {item['set']}, tuned with the same budget and limit of chatter: geometric mean "
             f"of the joints' RMS errors in deg, {', '.join(means)}"
         )
 
 
-def _mean(values: Sequence[float | None]) -> float | None:
-    known = [x for x in values if x is not None]
-    return math.prod(known) ** (1.0 / len(known)) if len(known) == len(values) else None
-
-
-def _times(item: Mapping[str, Any], label: str) -> str:
-    found, told = item["controllers"][label]["rms_deg"], item["paper"]["rms_deg"][label]
-    return " and ".join(f"{_number(None if a is None else a / b)}×" for a, b in zip(found, told, strict=True))
+def _over(run: Mapping[str, Any], told: Sequence[float]) -> str:
+    """How many times what the paper prints, joint by joint."""
+    return medians(run, "rms_deg", [1.0 / x for x in told])
 
 
 def _verdicts(data: Mapping[str, Any]) -> str:
@@ -149,7 +148,7 @@ def _tables(data: Mapping[str, Any]) -> Iterator[str]:
                     label,
                     "–" if told is None else _pair(told, factor),
                     medians(run, "rms_deg", factor),
-                    "–" if told is None else _ratio(run["rms_deg"], told),
+                    "–" if told is None else _over(run, told),
                     medians(run, "max_error_deg", factor),
                     medians(run, "torque_max"),
                     medians(run, "torque_variation"),
@@ -173,18 +172,18 @@ def _ranges(item: Mapping[str, Any]) -> str:
     figures = item["figures"]
     parts = [
         f"Fig. {figures['error']}: |e| to {_pair(paper['max_error_deg'], factor)} {paper['unit']}, "
-        f"here {_pair(run['max_error_deg'], factor)}"
+        f"here {medians(run, 'max_error_deg', factor)}"
     ]
     if "torque" in figures:
         parts.append(
-            f"Fig. {figures['torque']}: torques to {number(paper['torque'])} N·m, here {_pair(run['torque_max'])}"
+            f"Fig. {figures['torque']}: torques to {number(paper['torque'])} N·m, here {medians(run, 'torque_max')}"
         )
     if "gains" in figures:
         degrees = "deg" if scale["s"] > 1.0 else "rad"
         parts.append(
             f"Fig. {figures['gains']}: k̂ to {number(paper['gain']['Proposed'])}, here "
-            f"{_pair(run['peak_gain'], scale['gain'])} {degrees}/s²; |s| to {_pair(paper['s'])}, "
-            f"here {_pair(run['max_s'], scale['s'])} {degrees}/s"
+            f"{medians(run, 'peak_gain', scale['gain'])} {degrees}/s²; |s| to {_pair(paper['s'])}, "
+            f"here {medians(run, 'max_s', scale['s'])} {degrees}/s"
         )
     return "Ranges of the figures, proposed law with the gains of the file: " + "; ".join(parts) + "."
 
@@ -288,18 +287,21 @@ def plain_pair(values: Sequence[float] | None) -> str:
     return "–" if values is None else _pair(values)
 
 
-def medians(run: Mapping[str, Any], name: str, factor: float = 1.0) -> str:
-    """Medians of the joints, each with its 5 % and 95 % where they are printed differently; ∞ where failures reach."""
+def medians(run: Mapping[str, Any], name: str, factor: float | Sequence[float] = 1.0) -> str:
+    """Medians of the joints, each with its 5 % and 95 % where they are printed differently; ∞ where failures reach.
+
+    Args:
+        run: What `measure` gave.
+        name: Of the figure.
+        factor: What it is multiplied by, a number or one for each joint.
+    """
     cells = []
-    for middle, low, high in zip(run[name], run[f"{name}_low"], run[f"{name}_high"], strict=True):
-        text, below = (_number(None if x is None else factor * x) for x in (middle, low))
-        above = "∞" if high is None else number(factor * high)
+    factors = [factor] * len(run[name]) if isinstance(factor, float) else factor
+    for middle, low, high, scale in zip(run[name], run[f"{name}_low"], run[f"{name}_high"], factors, strict=True):
+        text, below = (_number(None if x is None else scale * x) for x in (middle, low))
+        above = "∞" if high is None else number(scale * high)
         cells.append(text if middle is None or text == below == above else f"{text} [{below} … {above}]")
     return " / ".join(cells)
-
-
-def _ratio(found: Sequence[float | None], told: Sequence[float]) -> str:
-    return " / ".join(_number(None if a is None else a / b) for a, b in zip(found, told, strict=True))
 
 
 def _number(value: float | None) -> str:

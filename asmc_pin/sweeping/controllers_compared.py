@@ -26,6 +26,8 @@ def compared(plan: SweepPlan, scores: TrialScores) -> list[Compared]:
     overall = {name: {label: _over_points(x) for label, x in by.items()} for name, by in scores.scores.items()}
     for axis in plan.variation.scans:
         assert axis.scan is not None
+        if len(scores.fails_at[axis.path]) < 2:
+            continue
         ways = {label: np.abs(x - axis.scan[0]) for label, x in scores.fails_at[axis.path].items()}
         with np.errstate(divide="ignore"):
             overall[f"{FAILURE}{axis.path}"] = {label: 1.0 / way for label, way in ways.items()}

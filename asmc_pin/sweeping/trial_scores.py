@@ -27,7 +27,7 @@ class TrialScores:
     Attributes:
         labels: Controllers as the rows show them.
         scores: Metric -> label -> (draws, points of the grids).
-        fails_at: Scanned key -> label -> (draws,).
+        fails_at: Scanned key -> label -> (draws,); of a key of one controller that one's alone.
         kinds: Of the joints that there are, ``"revolute"`` and ``"prismatic"``.
         drawn: Random key that is one number -> (draws,).
     """
@@ -39,8 +39,13 @@ class TrialScores:
         self.labels = [shown_label(label, law) for label, law in laws.items()]
         shape = plan.draws, variation.grid_points
         self.scores = {name: {label: np.full(shape, np.nan) for label in self.labels} for name in SCORED}
+        shown = dict(zip(laws, self.labels, strict=True))
         self.fails_at = {
-            axis.path: {label: np.full(plan.draws, np.nan) for label in self.labels} for axis in variation.scans
+            axis.path: {
+                shown[label]: np.full(plan.draws, np.nan)
+                for label in (laws if axis.parts[0] != "controllers" else axis.parts[1:2])
+            }
+            for axis in variation.scans
         }
         self.drawn: dict[str, Array] = {
             axis.path: np.full(plan.draws, np.nan) for axis in variation.axes if axis.draw is not None
@@ -68,7 +73,7 @@ class TrialScores:
                 self.scores[name][one][draw[here], point[here]] = mean[here]
         for k, axis in enumerate(self._plan.variation.scans):
             failing = rows[FAILS_AT].to_numpy(zero_copy_only=False)[starts]
-            for one in self.labels:
+            for one in self.fails_at[axis.path]:
                 here = (point == self._plan.variation.grid_points + k) & (label == one)
                 self.fails_at[axis.path][one][draw[here]] = failing[here]
         for path, values in self.drawn.items():

@@ -1,15 +1,19 @@
-"""Shows a replay in the browser of this machine, and to no other machine."""
+"""Shows a page in the browser of this machine, and to no other machine."""
 
 from __future__ import annotations
 
 import sys
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from typing import TypeAlias
 
 from asmc_pin.errors import ParameterError
+
+Answers: TypeAlias = Mapping[str, Callable[[str], str]]
+"""Path to what makes JSON text of a query; a `ParameterError` of it is the asker's."""
 
 ADDRESS = "127.0.0.1"
 
@@ -42,14 +46,19 @@ def serve(directory: str | Path, port: int = 0, *, open_browser: bool = False) -
 
 
 def serve_page(
-    html: str | Callable[[], str], port: int = 0, *, what: str = "replay", open_browser: bool = False
+    html: str | Callable[[], str],
+    port: int = 0,
+    *,
+    what: str = "replay",
+    open_browser: bool = False,
+    answers: Answers | None = None,
 ) -> None:
     """Serve a page, see `make_server`, until Ctrl-C is pressed.
 
     Raises:
         ParameterError: The port is taken.
     """
-    with make_server(html, port) as server:
+    with make_server(html, port, answers) as server:
         url = f"http://{ADDRESS}:{server.server_port}/"
         print(f"{what}: {url} (Ctrl-C ends it)", flush=True)
         if open_browser:
@@ -60,12 +69,13 @@ def serve_page(
             print()
 
 
-def make_server(html: str | Callable[[], str], port: int = 0) -> ThreadingHTTPServer:
+def make_server(html: str | Callable[[], str], port: int = 0, answers: Answers | None = None) -> ThreadingHTTPServer:
     """A server of one page on 127.0.0.1, not yet serving.
 
     Args:
         html: The page, or what makes it anew whenever it is asked for.
         port: 0 takes a free one.
+        answers: What the page may ask.
 
     Raises:
         ParameterError: The port is taken, or not for us to take.
@@ -84,19 +94,31 @@ def make_server(html: str | Callable[[], str], port: int = 0) -> ThreadingHTTPSe
             host = self.headers.get("Host", "").partition(":")[0]  # without a port where it is 80
             if host.lower() not in (ADDRESS, "localhost"):
                 self.send_error(HTTPStatus.FORBIDDEN, f"open http://{ADDRESS}:{self.server.server_port}/")  # type: ignore[attr-defined]
-            elif self.path.partition("?")[0] != "/":
-                self.send_error(HTTPStatus.NOT_FOUND)
-            else:
+                return
+            path, _, query = self.path.partition("?")
+            if path == "/":
                 content = html().encode() if callable(html) else fixed
                 assert content is not None
-                self.send_response(HTTPStatus.OK)
-                self.send_header("Content-Type", "text/html; charset=utf-8")
-                self.send_header("Content-Length", str(len(content)))
-                self.send_header("Cache-Control", "no-store")
-                self.send_header("X-Content-Type-Options", "nosniff")
-                self.end_headers()
-                if body:
-                    self.wfile.write(content)
+                self._send(content, "text/html", body=body)
+            elif path in (answers or {}):
+                try:
+                    answer = (answers or {})[path](query).encode()
+                except ParameterError as error:
+                    self.send_error(HTTPStatus.BAD_REQUEST, explain=str(error))
+                else:
+                    self._send(answer, "application/json", body=body)
+            else:
+                self.send_error(HTTPStatus.NOT_FOUND)
+
+        def _send(self, content: bytes, kind: str, *, body: bool) -> None:
+            self.send_response(HTTPStatus.OK)
+            self.send_header("Content-Type", f"{kind}; charset=utf-8")
+            self.send_header("Content-Length", str(len(content)))
+            self.send_header("Cache-Control", "no-store")
+            self.send_header("X-Content-Type-Options", "nosniff")
+            self.end_headers()
+            if body:
+                self.wfile.write(content)
 
         def log_message(self, format: str, *args: object) -> None:
             """Nothing: the terminal is the user's."""

@@ -17,8 +17,8 @@ POLICY = (
 )
 """Content security policy of every page made here: a browser fetches nothing, whatever a result's labels say."""
 
-_SCRIPTS = ("arm_view.js", "scene.js", "timeline.js", "player.js")
-"""The player's own, each needing those before it."""
+_SCENE, _PLAYER = ("arm_view.js", "scene.js"), ("timeline.js", "player.js")
+"""Scripts of the scene and of what plays in it, each needing those before it."""
 
 
 def replay_page(title: str, subtitle: str, replay: str) -> str:
@@ -57,13 +57,19 @@ def replay_element(description: Mapping[str, Any], notes: tuple[str, ...] = (), 
 
 @cache
 def player_scripts() -> str:
-    """Meshcat's bundle, with its licences, and the player, as script elements."""
+    """What `scene_scripts` has, and the player, as script elements."""
+    return "\n".join([scene_scripts(), *(f"<script>{inert(static(name))}</script>" for name in _PLAYER)])
+
+
+@cache
+def scene_scripts() -> str:
+    """Meshcat's bundle, with its licences, and the scene, as script elements."""
     viewer = files("meshcat") / "viewer"
     licences = "\n\n".join(
         (viewer / name).read_text(encoding="utf-8") for name in ("LICENSE", "dist/main.min.js.LICENSE.txt")
     )
     bundle = (viewer / "dist" / "main.min.js").read_text(encoding="utf-8")
-    scripts = [bundle, *map(static, _SCRIPTS)]
+    scripts = [bundle, *map(static, _SCENE)]
     return "\n".join(
         [
             f'<script type="text/plain" id="meshcat-licences">\n{inert(licences)}\n</script>',

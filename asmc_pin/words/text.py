@@ -40,7 +40,7 @@ def printable(text: str) -> str:
         The same where it is harmless; characters of Unicode's categories C and Z (but for the space) as ``\\xNN`` or
         ``\\uNNNN``, and the middle of a very long one left out.
     """
-    return visible(_shortened(text, _LONGEST))
+    return _shown(text, _LONGEST)
 
 
 def visible(text: str) -> str:
@@ -53,7 +53,7 @@ def message_text(text: str) -> str:
     lines = text.split("\n")
     if len(lines) > _MOST_LINES:
         lines = [*lines[:_MOST_LINES], f"  … and {len(lines) - _MOST_LINES} lines more"]
-    return "\n".join(visible(_shortened(line, _LONGEST_LINE)) for line in lines)
+    return "\n".join(_shown(line, _LONGEST_LINE) for line in lines)
 
 
 def as_number(text: str) -> float:
@@ -65,6 +65,11 @@ def as_number(text: str) -> float:
     if not text.isascii() or "_" in text:
         raise ValueError(f"{printable(text)!r} is not a number")
     return float(text)
+
+
+def _shown(text: str, longest: int) -> str:
+    """As `visible`, and short also where one character becomes a code of many."""
+    return _shortened(visible(_shortened(text, longest)), longest)
 
 
 def _shortened(text: str, longest: int) -> str:

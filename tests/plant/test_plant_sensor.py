@@ -174,6 +174,7 @@ def test_one_trial_that_diverges_leaves_the_noise_of_the_others(arm):
         ({"velocity_noise": 0.1}, "velocity = 'exact'"),
         ({"velocity": "guess"}, "difference"),
         ({"delay": -0.5}, "at least 0"),
+        ({"bits": 15000}, "at most 64"),
     ],
 )
 def test_a_sensor_that_cannot_be_is_refused(options, said):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import json
 import math
@@ -49,6 +50,23 @@ def test_the_page_has_every_table_and_figure_of_the_paper_and_every_claim(data):
         assert f"### {title}" in text
     for claim in CLAIMS:
         assert f"### {claim[:1].upper()}{claim[1:]}" in text
+
+
+def test_every_line_and_table_of_measured_figures_has_an_interval_where_trials_differ(data):
+    wide = copy.deepcopy(data)
+    for item in wide["experiments"].values():
+        for run in item["controllers"].values():
+            for name in ("rms_deg", "mean_rms_deg", "max_error_deg", "torque_max", "peak_gain", "max_s"):
+                run[f"{name}_low"], run[f"{name}_high"] = (
+                    [None if x is None else share * x for x in run[name]] for share in (0.5, 2.0)
+                )
+    text = page(wide, "reproduction").replace("\n  ", " ")
+    lines = [line for line in text.splitlines() if "measured over printed RMS" in line or "same budget and" in line]
+    assert len(lines) == 2 * len(wide["experiments"])
+    for line in lines:
+        assert line.count("[") == line.count("…") >= 2, line
+    ranges = [part for part in text.split("\n\n") if part.startswith("Ranges of the figures")]
+    assert all(part.count("[") >= 2 * part.count("here") for part in ranges)
 
 
 @pytest.mark.parametrize(
@@ -313,6 +331,9 @@ def test_of_several_trials_medians_and_quantiles_are_told_and_a_failure_opens_th
     found, each = measure(run, "ppc", None), np.degrees(METRICS["rms_error"](run))
     assert found["rms_deg"] == pytest.approx(np.median(each, axis=0).tolist())
     assert found["rms_deg_low"] == pytest.approx(np.quantile(each, 0.05, axis=0).tolist())
+    means = np.sqrt(each[:, 0] * each[:, 1])
+    assert found["mean_rms_deg"] == pytest.approx([np.median(means)])
+    assert found["mean_rms_deg_high"] == pytest.approx([np.quantile(means, 0.95)])
     status, end = ("ok", "ok", "diverged", "ok", "ok"), np.array([0.2, 0.2, 0.1, 0.2, 0.2])
     q = run.q.copy()
     q[2, 100:] = np.nan

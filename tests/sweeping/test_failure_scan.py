@@ -106,3 +106,15 @@ def test_a_scan_that_never_fails_says_up_to_where_and_one_that_sometimes_does_sa
     ends = found.findings.fails_at["plant.friction.coulomb"]
     ends["BSMC"][:] = [0.1, math.inf]
     assert any("BSMC first at" in line and "beyond 0.25]" in line for line in found.lines())
+
+
+def test_a_key_of_one_controller_is_told_of_that_one_and_compared_with_nobody(tmp_path):
+    axes = {"controllers.PPC.beta": {"scan": [5.0, 5000.0]}, "arm.payload": {"uniform": [0.0, 0.5]}}
+    experiment = tiny(axes, controllers={"PPC": {"law": "ppc", "beta": 5.0}, "BSMC": {"law": "ppc"}})
+    found = sweep(experiment, 6, tmp_path / "out", workers=1)
+    assert list(found.findings.fails_at["controllers.PPC.beta"]) == ["PPC"]
+    assert np.isfinite(found.findings.fails_at["controllers.PPC.beta"]["PPC"]).all()
+    told = "\n".join(found.lines())
+    assert "controllers.PPC.beta" in told
+    assert "way to the first failure" not in told
+    assert "BSMC no failure" not in told

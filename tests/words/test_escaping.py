@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from asmc_pin.cli import main
 from asmc_pin.disk.resources import shipped
 from asmc_pin.words.media import for_cell, for_figure, for_html, for_latex, for_markdown
-from asmc_pin.words.text import printable, visible
+from asmc_pin.words.text import message_text, printable, visible
 
 NAMES = [
     "shoulder_pan_joint",
@@ -249,3 +249,9 @@ def test_a_progress_bar_shows_a_label_as_it_is(monkeypatch, capsys):
         for label in (*LABELS, "[/joint_1]"):
             show(label, 0.5)
     assert "[/joint_1]" in capsys.readouterr().err
+
+
+def test_what_is_shown_is_short_also_where_each_sign_becomes_a_code():
+    assert len(printable("\0" * 10_000)) < 250
+    assert len(message_text("5" + "\0" * 10_000)) < 2100
+    assert printable("\0") == "\\x00"

@@ -79,6 +79,7 @@ def verify(
     values, ranges = per_joint(mbar, "--mbar"), parse_box(box)
     check_motion(along)
     loaded, domain = open_domain(arm, loading)
+    seen = along is None and not domain
     from asmc_pin.condition import verify as run
 
     domain |= {"condition": condition, "seed": seed, "box": ranges}
@@ -99,12 +100,15 @@ def verify(
         for item in low_passed:
             say(item.line())
         _print_tde_error(options.get("along"), loaded, values)
-        _say_next(context, found.verdict, proves=along is None or tube is not None, budget=budget)
+        _say_next(context, found.verdict, proves=along is None or tube is not None, seen=seen, budget=budget)
     raise typer.Exit(EXIT[found.verdict])
 
 
-def _say_next(context: typer.Context, verdict: str, *, proves: bool, budget: float) -> None:
+def _say_next(context: typer.Context, verdict: str, *, proves: bool, seen: bool, budget: float) -> None:
+    """The next command; `seen`: the statement is one that `explore` shows, about one arm over the joint box."""
     question = ("mbar", "along", "tube", "seed")
+    if verdict in ("violated", "undecided") and seen:
+        say_next("a page that shows where", again(context, "explore", "--certify", also=("mbar", "seed")))
     if verdict == "violated":
         say_next("an M̄ that suits M(q)", again(context, "design"))
     elif verdict == "unrefuted" and proves:

@@ -46,8 +46,13 @@ def check(
 
 
 def _say_next(result: CheckResult) -> None:
-    """What follows; the arm that is inside is asked about by its name, for its file lies with who made the proof."""
-    arm = "ARM" if result.hypotheses is None else result.hypotheses.arm
+    """What follows; the arm that is inside is asked about by its name where that is one that commands take.
+
+    A file of one's own is another thing: where it lies, the certificate does not know.
+    """
+    from asmc_pin.arms import arm_names
+
+    arm = "ARM" if result.hypotheses is None or result.hypotheses.arm not in arm_names() else result.hypotheses.arm
     if result.verdict is None:
         say_next("a certificate of your own", "asmc-pin verify ARM --mbar M1,M2,... --certify --certificate FILE")
     elif result.verdict in ("holds", "stable"):

@@ -85,14 +85,15 @@ def _failures(findings: SweepFindings) -> Figure:
         scans = {axis.path: axis for axis in findings.experiment.variation.scans}
         for ax, (path, by_label) in zip(axes, findings.fails_at.items(), strict=True):
             start, end = scans[path].scan or (0.0, 1.0)
-            for label, colour in controller_colors(findings.labels).items():
-                way = np.sort(np.abs(by_label[label] - start))  # a scan may run downwards
+            colours = controller_colors(findings.labels)
+            for label, ends in by_label.items():
+                way = np.sort(np.abs(ends - start))  # a scan may run downwards
                 share = 1.0 - np.arange(1, way.size + 1) / way.size
                 finite = np.isfinite(way)
                 x = start + np.sign(end - start) * way[finite]
                 left = [1.0, *share[finite]]
                 xs = np.array([start, *x, end])
-                ax.step(xs, [*left, left[-1]], where="post", color=colour, label=for_figure(label))
+                ax.step(xs, [*left, left[-1]], where="post", color=colours[label], label=for_figure(label))
             ax.set_xlim(start, end)
             ax.set_ylim(-0.02, 1.04)
             ax.set_xlabel(for_figure(f"{'factor on ' if scans[path].factor else ''}{path}"))

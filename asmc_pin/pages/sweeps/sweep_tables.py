@@ -59,8 +59,7 @@ def scan_table(findings: SweepFindings, path: str) -> Table:
     rows = []
     axis = next(axis for axis in findings.experiment.variation.scans if axis.path == path)
     low, high = axis.scan or (math.nan, math.nan)
-    for label in findings.labels:
-        ends = findings.fails_at[path][label]
+    for label, ends in findings.fails_at[path].items():
         rows.append([label, _reach_text(ends, high), f"{int(np.isinf(ends).sum())} of {ends.size}"])
     factor = ", as a factor" if axis.factor else ""
     until = "".join(f", or {name} above {limit:g}" for name, limit in axis.until.items())

@@ -10,7 +10,7 @@ from asmc_pin._typing import Array
 from asmc_pin.errors import ParameterError
 from asmc_pin.parameters import Choice, OptionalPerJoint, PerJoint, Scalar
 from asmc_pin.plant.per_trial import row, sized
-from asmc_pin.words.encoder_counts import encoder_count
+from asmc_pin.words.encoder_counts import MOST_BITS, encoder_count
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -25,7 +25,9 @@ class Sensor:
     on any worker, and under every law.
     """
 
-    bits: OptionalPerJoint = OptionalPerJoint("counts per turn of the encoder, as a power of 2", "", above=0.0)
+    bits: OptionalPerJoint = OptionalPerJoint(
+        "counts per turn of the encoder, as a power of 2", "", above=0.0, at_most=MOST_BITS
+    )
     resolution: OptionalPerJoint = OptionalPerJoint("angle (length) of one count of the encoder", "rad (m)", above=0.0)
     side: Choice = Choice("where the encoder sits: after the gear, or before it", ("joint", "motor"), default="joint")
     position_noise: PerJoint = PerJoint(

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from asmc_pin._typing import Array
 from asmc_pin.errors import ParameterError
 from asmc_pin.sampled.sampled_loop import Velocity
-from asmc_pin.words.encoder_counts import encoder_count
+from asmc_pin.words.encoder_counts import MOST_BITS, encoder_count
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +99,8 @@ def loop_sensor(
         for name, values in (("gear", turns), ("encoder_bits", bits)):
             if not (values > 0.0).all():
                 raise ParameterError(name, f"got {values.tolist()}; every value must be above 0")
+        if (bits > MOST_BITS).any():
+            raise ParameterError("encoder_bits", f"got {bits.tolist()}; every value must be at most {MOST_BITS}")
         count = encoder_count(bits) / turns
     if velocity is None:
         velocity = "difference" if encoder_bits is not None and not spread["velocity_noise"].any() else "measured"

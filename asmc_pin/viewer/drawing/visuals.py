@@ -1,5 +1,7 @@
 """Reads what a URDF shows: the `<visual>` elements of its links, as coloured triangles in the links' frames.
 
+The `<collision>` elements are written alike and read alike.
+
 A run is never lost over a picture: what cannot be drawn as written is left out or grey, and said.
 """
 
@@ -7,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -26,7 +28,9 @@ _FURTHEST = 1e6
 Colour = tuple[int, int, int]
 
 
-def read_visuals(urdf_text: str, files: RobotFiles) -> tuple[dict[str, list[Surface]], dict[str, list[str]]]:
+def read_visuals(
+    urdf_text: str, files: RobotFiles, of: Literal["visual", "collision"] = "visual"
+) -> tuple[dict[str, list[Surface]], dict[str, list[str]]]:
     """Triangles of every link that shows something.
 
     A mesh file's own colours count before the URDF's material: files that carry colours are coloured finer.
@@ -34,6 +38,7 @@ def read_visuals(urdf_text: str, files: RobotFiles) -> tuple[dict[str, list[Surf
     Args:
         urdf_text: The URDF.
         files: Where meshes are looked for.
+        of: What is shown, or the shapes that are meant for collisions.
 
     Returns:
         Surfaces by link name, in the link's frame; and, by link name, what is not drawn as written: a mesh that was
@@ -50,7 +55,7 @@ def read_visuals(urdf_text: str, files: RobotFiles) -> tuple[dict[str, list[Surf
     visuals = triangles = 0
     for link in root.findall("link"):
         name = link.get("name", "")
-        for visual in link.findall("visual"):
+        for visual in link.findall(of):
             visuals += 1
             try:
                 if visuals > _MOST_VISUALS or triangles > _MOST_TRIANGLES:

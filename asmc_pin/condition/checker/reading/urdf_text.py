@@ -7,13 +7,15 @@ a text has to mean one arm. Both of the checker's own arithmetics begin here.
 
 from __future__ import annotations
 
+import math
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from xml.parsers import expat
 
-from asmc_pin.words.text import printable
+from asmc_pin.words.text import as_number, printable
 
 Decimals = tuple[str, ...]
 
@@ -25,6 +27,7 @@ _LEAST, _MOST = 1e-60, 1e9
 MOST_LINKS = 2000
 
 MOVING = ("revolute", "continuous", "prismatic")
+_UNUSED = {"limit": ("lower", "upper", "effort", "velocity"), "dynamics": ("damping", "friction")}
 
 
 class Unreadable(ValueError):
@@ -161,12 +164,26 @@ def _joint(element: ET.Element) -> WrittenJoint:
         raise Unreadable(f"joint '{name}' of the URDF is of type '{printable(kind)}', not read here")
     if kind in ("revolute", "prismatic") and element.find("limit") is None:
         raise Unreadable(f"joint '{name}' of the URDF has no <limit>, without which others do not read it")
+    _check_unused(element, name)
     parent, child = (_part(element, tag, name).get("link", "") for tag in ("parent", "child"))
     axis = _only(element, "axis", {"xyz"})
     along = ("1", "0", "0") if axis is None else _decimals(axis.get("xyz"), 3)
     if kind != "fixed" and all(float(x) == 0.0 for x in along):
         raise Unreadable(f"joint '{name}' of the URDF has no axis")
     return WrittenJoint(name, kind, parent, child, _pose(element), along, _mimic(element, name))
+
+
+def _check_unused(element: ET.Element, name: str) -> None:
+    """Nothing is computed from these here, but an arm where they are no numbers is one that nobody else reads."""
+    for tag, keys in _UNUSED.items():
+        for found, key in product(element.findall(tag), keys):
+            text = found.get(key, "0")
+            try:
+                known = not math.isnan(as_number(text)) and (tag == "limit" or math.isfinite(as_number(text)))
+            except ValueError:
+                known = False
+            if not known:
+                raise Unreadable(f"joint '{name}' of the URDF has <{tag} {key}=\"{printable(text)}\">, not a number")
 
 
 def _mimic(element: ET.Element, name: str) -> WrittenMimic | None:
