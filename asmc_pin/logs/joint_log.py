@@ -115,7 +115,7 @@ def read_log(
     if torque is not None and options.motor_constant is not None:
         torque *= _constants(options, nv)
         told.append("torque is what was logged times the motor constant that was given")
-    told += _about_torque(options, parts["v"] is None, torque is None)
+    told += about_torque(options, parts["v"] is None, torque is None)
     told += _about_time(time, path.name, fail)
     assert parts["q"] is not None
     return JointLog(path.name, tuple(joints), time, parts["q"], parts["v"], torque, options.torque_side, tuple(told))
@@ -163,7 +163,8 @@ def _cleaned(values: Array, name: str, fail: Fail) -> tuple[Array, list[str]]:
     return values, notes
 
 
-def _about_torque(options: LogOptions, no_velocity: bool, no_torque: bool) -> list[str]:
+def about_torque(options: LogOptions, no_velocity: bool, no_torque: bool) -> list[str]:
+    """What `JointLog.found` says of velocities and torques, which a path has no use for."""
     told = []
     if no_velocity:
         told.append("no velocities were logged: they are differenced from the angles")

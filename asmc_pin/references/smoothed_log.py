@@ -15,7 +15,7 @@ from scipy.interpolate import BSpline
 from asmc_pin._typing import Array
 from asmc_pin.errors import ParameterError
 from asmc_pin.logs.bag_table import is_bag
-from asmc_pin.logs.joint_log import read_log
+from asmc_pin.logs.joint_log import about_torque, read_log
 from asmc_pin.logs.log_columns import form_by_name
 from asmc_pin.logs.log_options import LogOptions
 from asmc_pin.logs.log_table import read_table
@@ -53,18 +53,20 @@ def logged_rows(path: Path, joints: Sequence[str] | None) -> LoggedRows:
     Raises:
         ParameterError: it cannot be read, or has no such columns.
     """
-    options = {"v": "-", "tau": "-"}
+    columns: dict[str, str] = {}
     try:
         if is_bag(path):
             if joints is None:
                 raise ParameterError("joints", f"are missing; {path.name} is a bag, which knows joints by their names")
         else:
-            joints, options["q"] = _columns(path, joints)
-        log = read_log(path, joints, LogOptions(columns=options))
+            joints, columns["q"] = _columns(path, joints)
+        options = LogOptions(columns=columns)
+        log = read_log(path, joints, options)
     except ParameterError as error:
         parameter = error.parameter if error.parameter == "joints" else "path"
         raise ParameterError(parameter, str(error).removeprefix(f"{error.parameter}: ")) from error
-    return LoggedRows(tuple(joints), log.time, log.q, log.found)
+    unused = about_torque(options, log.v is None, log.torque is None)
+    return LoggedRows(tuple(joints), log.time, log.q, tuple(line for line in log.found if line not in unused))
 
 
 def _columns(path: Path, joints: Sequence[str] | None) -> tuple[Sequence[str], str]:

@@ -247,7 +247,7 @@ def _say_next(context: typer.Context, found: DesignReport, *, gains: bool, certi
         say_next(
             "gains for it, here at 1 ms", again(context, "design", "--gains", "--period", "0.001", *more, also=kept)
         )
-    elif not certify:
+    elif not certify and not context.params.get("yaml"):  # no proof covers a PID's own map
         say_next("what can be proven of them", again(context, "design", "--gains", "--certify", also=(*kept, *margins)))
     else:
         say_next("an experiment to put them into", "asmc-pin new mine.toml --from demo")

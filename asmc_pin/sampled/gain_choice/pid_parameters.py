@@ -70,9 +70,9 @@ def pid_yaml(design: GainDesign, arm: Arm) -> str:
     said = [
         "PID that time-delay control with backward differences is: p = K, i = K/T_I, d = K T_D, for ros2_control's",
         "pid_controller (names of its parameters as in Jazzy).",
-        design.about.title,
-        f"M = {_listed(loop.mbar)}, beta = {float(loop.beta[0])!r} 1/s, K_s = {float(loop.ks[0])!r} 1/s, "
-        f"L = {loop.period!r} s",
+        printable(design.about.title),
+        f"M = diag{_listed(loop.mbar)} kg·m²",
+        f"beta = {float(loop.beta[0])!r} 1/s, K_s = {float(loop.ks[0])!r} 1/s, L = {loop.period!r} s",
         "margins of this PID's own map, at rest under gravity and of the inertia alone, where searched:",
         f"  {margin_words(design.reached.gain, design.reached.delay, loop.period)}",
         *([] if design.met else ["  those asked for cannot be had"]),
@@ -84,13 +84,13 @@ def pid_yaml(design: GainDesign, arm: Arm) -> str:
         f"  after the command only, p has to be p + i L: {_listed(p + i * loop.period)};",
         "- errors that begin near 0: the integral begins at 0, and gravity is what it has to find first.",
         *(
-            [f"no anti-windup at {', '.join(unlimited)}: no torque limit is declared"]
+            [f"no anti-windup at {', '.join(map(printable, unlimited))}: no torque limit is declared"]
             if unlimited
             else ["anti-windup: the integral is held within the torque limit that the arm declares"]
         ),
         "It was run on no robot, and not with ROS.",
     ]
-    lines = [f"# {printable(line)}" for line in said]
+    lines = [f"# {line}" for line in said]
     lines += [
         "controller_manager:",
         "  ros__parameters:",
