@@ -42,7 +42,7 @@ class TrialScores:
         shown = dict(zip(laws, self.labels, strict=True))
         self.fails_at = {
             axis.path: {
-                shown[label]: np.full(plan.draws, np.nan)
+                shown[str(label)]: np.full(plan.draws, np.nan)
                 for label in (laws if axis.parts[0] != "controllers" else axis.parts[1:2])
             }
             for axis in variation.scans
