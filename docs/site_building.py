@@ -54,8 +54,6 @@ def write_name_pages(app: Sphinx) -> None:
 
 def plain_marks(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
     """Docstrings are plain text with code in backticks: `|s|` is no substitution in them, and `M_` no link."""
-    if what in ("attribute", "data", "property"):
-        lines[:0] = [""]  # or what stands before a colon in the first line would be taken for a type
     if what == "class":
         told = parameters_of(thing).values()
         lines += ["", "Attributes:", *(f"    {each.name}: {_about(each)}" for each in told)] if told else []
@@ -67,7 +65,9 @@ def _about(parameter: Parameter) -> str:
 
 
 def no_types_in_prose(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
-    """Types stand in annotations, so what a docstring says before a colon of what it returns is prose."""
+    """Types stand in annotations, so what a docstring says before a colon of what it is or returns is prose."""
+    if told := [line for line in lines if line.startswith(":type: ")]:
+        lines[:] = [f"{told[0].removeprefix(':type: ')}: {lines[0]}", *(line for line in lines[1:] if line not in told)]
     said = [line for line in lines if line.startswith(":rtype: ")]
     lines[:] = [line for line in lines if line not in said]
     for line in said:

@@ -9,6 +9,7 @@ from derived_parts import code, part, prose, table
 from import_graph import PACKAGE, docstring
 from public_names import by_room, first_line
 
+from asmc_pin.cli.app import PANELS
 from asmc_pin.cli.dispatch import app
 from asmc_pin.cli.examples import EXAMPLES
 from asmc_pin.words.media import for_cell
@@ -29,7 +30,8 @@ def public_names() -> str:
 def commands() -> str:
     """docs/commands.md: every command as its own help has it, arguments first."""
     group = typer.main.get_command(app)
-    found = [group.get_command(None, name) for name in group.list_commands(None)]
+    found = [group.get_command(None, name) for name in sorted(group.list_commands(None))]
+    found.sort(key=lambda each: PANELS.index(each.rich_help_panel))
     sections = []
     for question, members in groupby(found, key=lambda each: each.rich_help_panel):
         sections.append(f"## {question}")

@@ -40,7 +40,7 @@ def test_a_command_stands_in_a_block_that_is_run(page):
 
 def test_few_blocks_are_not_run_and_each_says_why():
     kept = [block for found in SHOWN.values() for block in found if "not run" in block.said]
-    assert len(kept) <= 15
+    assert len(kept) <= 16
     assert all(len(block.said["not run"]) > 10 for block in kept)
 
 
