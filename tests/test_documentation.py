@@ -81,6 +81,7 @@ def test_prose_has_lines_under_120_characters(page):
     assert not long
 
 
+@pytest.mark.long
 def test_the_python_example_runs(tmp_path, monkeypatch):
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     (example,) = re.findall(r"## In Python\n\n```python\n(.*?)```", text, re.DOTALL)

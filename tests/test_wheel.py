@@ -47,6 +47,7 @@ def test_the_wheel_imports_from_its_own_environment(installed, tmp_path):
     assert Path(done.stdout.strip()).is_relative_to(installed.parent.parent)
 
 
+@pytest.mark.long
 def test_the_wheel_carries_arms_and_experiments(installed, tmp_path):
     arms = run(installed, "arms", cwd=tmp_path)
     assert arms.returncode == 0, arms.stderr

@@ -131,11 +131,12 @@ def test_all_choices_of_a_lock_have_one_repaired_urdf(tmp_path: Path) -> None:
 def test_an_experiment_repairs_and_its_provenance_says_so(tmp_path: Path) -> None:
     path = write(tmp_path, BROKEN)
     arm = {"source": str(path)}
-    experiment = load_experiment("demo").replace(arm=arm)
+    ramps = {"kind": "ramps", "points": [[0.0, 0.0], [0.2, 0.3]], "times": [0.0, 1.0]}
+    experiment = load_experiment("demo").replace(arm=arm, reference=ramps)
     with pytest.raises(ArmError, match=r"arm\.repair = true"):
         experiment.build_arm()
-    repaired = experiment.replace(arm={**arm, "repair": True}).build_arm()
-    told = provenance(experiment, repaired, datetime.now(UTC), {}, tmp_path)
+    mended = experiment.replace(arm={**arm, "repair": True})
+    told = provenance(mended, mended.build_arm(), datetime.now(UTC), {}, tmp_path)
     assert told["arm"]["provisos"][0]["kind"] == "repaired inertia"
 
 

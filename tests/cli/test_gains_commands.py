@@ -89,6 +89,7 @@ def test_gains_that_hold_but_are_slow_are_called_of_no_use_and_armature_is_price
     assert all(math.isfinite(value) and value > 0.0 for value in gains["armature_wanted"])
 
 
+@pytest.mark.long
 def test_margins_that_cannot_be_had_are_status_0_with_those_that_can(asmc_pin):
     options = ("--gains", "--period", "0.001", "--gain-margin", "30")
     status, out, err = asmc_pin("design", "two_link", *options)
@@ -111,6 +112,7 @@ def test_what_is_proven_of_the_gains_is_told_and_the_margins_are_not(asmc_pin):
     assert low < proof["seen_between"][0] < proof["seen_between"][1] < high
 
 
+@pytest.mark.long
 def test_a_loop_that_no_proof_is_made_for_is_searched_and_the_status_is_that_of_mbar(asmc_pin):
     options = ("design", "two_link", "--gains", "--period", "0.001", "--certify", "--encoder-bits", "17")
     status, out, err = asmc_pin(*options, "--json")

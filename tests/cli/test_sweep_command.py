@@ -45,6 +45,7 @@ def test_started_again_it_computes_nothing_and_prints_for_a_person(done):
     assert "report: results/tiny-sweep/report.html" in lines
 
 
+@pytest.mark.long
 def test_a_replay_is_a_result_of_compare(done):
     folder, _ = done
     again = run("sweep", "tiny.toml", "--trials", "6", "--replay", "5", "--json", cwd=folder)

@@ -2,12 +2,14 @@
 
 import json
 
+import pytest
 from processes import run
 from tune_cases import small
 
 from asmc_pin.experiment import load_experiment
 
 
+@pytest.mark.long
 def test_json_says_where_the_tuned_experiment_is_and_how_each_controller_did(tmp_path):
     (tmp_path / "small.toml").write_text(small().to_toml())
     done = run("tune", "small.toml", "--trials", "2", "--json", cwd=tmp_path)

@@ -40,6 +40,7 @@ def judged(folder: Path, law: str, files: list[Path]) -> subprocess.CompletedPro
     )
 
 
+@pytest.mark.long
 def test_a_correct_new_law_passes_every_test_that_runs_over_the_registered_laws(tmp_path: Path) -> None:
     files = [path for path in sorted(TESTS.rglob("test_*.py")) if OVER_ALL_LAWS.search(path.read_text("utf-8"))]
     assert len(files) >= 2

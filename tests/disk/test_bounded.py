@@ -121,6 +121,7 @@ HUGE = {
 }
 
 
+@pytest.mark.long
 def test_a_huge_urdf_is_answered_or_refused_within_two_gigabytes(tmp_path: Path) -> None:
     """One process for all of them; the bound is on its address space, libraries and compiled kernels included."""
     for i, (make, _) in enumerate(HUGE.values()):

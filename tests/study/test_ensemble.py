@@ -209,6 +209,7 @@ def test_numerical_sensitivity_is_called_so_and_said_in_percent_of_the_figure(do
     assert f"of Proposed by {100.0 * (high / low - 1.0)[worst]:.2g} % ({comparison.arm.joint_names[worst]})" in line
 
 
+@pytest.mark.long
 def test_a_law_that_a_robot_with_a_torque_rate_limit_would_refuse_is_named(tmp_path, unillustrated):
     limited = experiment(metrics={"torque_rate_limit": 1e7})
     (line,) = [x for x in compare(limited, out=tmp_path / "a").notes if x.startswith("torque rate")]

@@ -107,6 +107,7 @@ def test_the_trajectories_carry_what_was_measured_and_the_energy(refined, tmp_pa
     assert "external_torque" not in plain
 
 
+@pytest.mark.long
 def test_a_step_that_is_too_long_is_told_and_a_short_one_is_not(tmp_path):
     fast = {"kind": "multisine", "offset": [0.3, 0.2], "amplitude": [[0.8], [0.8]], "frequency": [[2.0], [3.0]]}
     rough = experiment(period=0.04, reference=fast, defaults={"mbar": 0.01, "ks": 1.0, "beta": 1.0})

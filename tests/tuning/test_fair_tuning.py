@@ -71,6 +71,7 @@ def test_the_value_that_is_claimed_is_that_of_the_tuned_file_run_by_itself(tuned
         assert score.error == pytest.approx(item.errors[item.winner], rel=1e-12)
 
 
+@pytest.mark.long
 def test_compare_runs_the_tuned_file_and_it_is_better_than_the_given_one(tuned, tmp_path):
     single = {"ensemble": {"trials": 1}}
     runs = [asmc_pin.compare(x.replace(**single), tmp_path / x.name) for x in (small(), load_experiment(tuned.path))]

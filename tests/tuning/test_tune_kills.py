@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from processes import environment
 from tune_cases import repeatable
 
@@ -40,6 +41,7 @@ print(json.dumps({"half_done": half_done}))
 """
 
 
+@pytest.mark.long
 def test_three_kills_leave_the_same_bytes(tmp_path):
     here = str(Path(__file__).resolve().parent.parent / "support")
     paths = environment()["PYTHONPATH"]

@@ -125,6 +125,7 @@ def test_a_texture_that_is_missing_leaves_the_mesh_in_grey_or_its_own_colour(tmp
 EXPERIMENT = SHORT.replace('"two_link"', '"arm.urdf"').replace("duration = 0.2", "duration = 0.02")
 
 
+@pytest.mark.long
 def test_a_comparison_runs_through_with_a_colour_that_is_a_word(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     arm_with(tmp_path, coloured("red"))
