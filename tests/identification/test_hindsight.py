@@ -151,6 +151,13 @@ def test_what_the_logs_motion_asks_beyond_a_torque_limit_is_said(experiment: str
     assert any("asks for more than there is" in line and "torque" in line for line in ran.lines())
 
 
+def test_what_makes_no_torque_in_the_log_is_named_as_not_estimated() -> None:
+    """Both axes are along y: no log of this arm tells where along them the payload is."""
+    assert found().to_json_dict()["given_up"] == [{"name": "payload.moment.y", "for": []}]
+    assert "payload.com.y" not in found().parameters
+    assert sum("payload.moment.y was not estimated: it makes no torque" in line for line in found().remarks()) == 1
+
+
 def test_a_payload_that_was_known_and_the_one_that_the_log_adds_are_one_in_the_measured_plant() -> None:
     arm = asmc_pin.load_arm(
         "two_link", payload={"mass": 0.3, "com": [0.02, 0.0, 0.1], "inertia": [1e-3, 0, 0, 1e-3, 0, 1e-3]}
