@@ -29,7 +29,7 @@ _GIVEN_UP = (
 
 @dataclass(frozen=True)
 class Confusion:
-    """A parameter that was given up, and what it cannot be told from."""
+    """A parameter that was given up, and what it cannot be told from; nothing where the log does not feel it."""
 
     name: str
     others: tuple[str, ...]
@@ -55,7 +55,9 @@ def judged(
     confusions: list[Confusion] = []
     scaled = np.where(rows[..., None], jacobian / sigma[:, None], 0.0).reshape(-1, jacobian.shape[2])
     length = np.linalg.norm(scaled, axis=0)
-    free &= length > 1e-9 * max(float(length.max()), 1e-300)
+    unfelt = free & (length <= 1e-9 * max(float(length.max()), 1e-300))
+    confusions += [Confusion(model.names[place], ()) for place in np.flatnonzero(unfelt)]
+    free &= ~unfelt
     while True:
         places = np.flatnonzero(free)
         columns = scaled[:, places] / length[places]

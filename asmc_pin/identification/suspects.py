@@ -23,6 +23,8 @@ from asmc_pin.words.text import quoted
 _GAIN = 0.05  # of the score, for a suspicion to be named
 _TIE = 0.01
 _MOST_ROWS = 500
+_HEAVIEST = 10.0  # payload over the mass of the whole arm
+_LIGHTEST = 1.5  # what is taken away over the mass of the last body
 _ROUNDS = 4
 _FACTORS = {1e-3: "N·mm", 1e3: "kN·m", 1e-2: "N·cm"}
 
@@ -179,11 +181,18 @@ def _along_gravity(view: View, model: Array) -> tuple[str, View, Array]:
 
 
 def _carried(view: View, model: Array) -> Array:
-    """Torque, (R, nv), of the payload on the last link that explains best what the URDF leaves, beside friction."""
+    """Torque, (R, nv), of the payload on the last link that explains best what the URDF leaves, beside friction.
+
+    None, where that is heavier than anything the arm could carry, or takes away far more than the last body: torques in
+    N·mm are no payload of tonnes, and those in kN·m no arm without mass.
+    """
     links = view.arm.regressor(view.q, view.v, view.v, view.a)
     bodies = view.arm.inertial_parameters.size - view.arm.nv
     last = links[..., bodies - 10 : bodies]
-    return np.asarray(last @ _beside_friction(view, last, view.torque - model))
+    body = _beside_friction(view, last, view.torque - model)
+    masses = view.arm.inertial_parameters[:bodies:10]
+    possible = -_LIGHTEST * masses[-1] < body[0] < _HEAVIEST * masses.sum()
+    return np.asarray(last @ body) if possible else np.zeros_like(model)
 
 
 def _beside_friction(view: View, terms: Array, left: Array) -> Array:

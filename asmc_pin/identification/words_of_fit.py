@@ -45,7 +45,9 @@ def given_up(each: Confusion) -> str:
     name = dotted(each.name)
     if each.others:
         return f"{name} was not estimated: this log cannot tell it from {', '.join(map(dotted, each.others))}"
-    return f"{name} was taken as 1: this log tells it too badly"
+    if each.name.startswith("torque_constant"):
+        return f"{name} was taken as 1: this log tells it too badly"
+    return f"{name} was not estimated: it makes no torque in this log, and stays as the arm was loaded with it"
 
 
 def on_the_bound(fit: Fit) -> str:

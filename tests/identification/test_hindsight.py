@@ -151,6 +151,20 @@ def test_what_the_logs_motion_asks_beyond_a_torque_limit_is_said(experiment: str
     assert any("asks for more than there is" in line and "torque" in line for line in ran.lines())
 
 
+@pytest.mark.parametrize(("factor", "unit"), [(1e3, "N·mm"), (1e2, "N·cm"), (1e-3, "kN·m")])
+def test_torques_in_another_unit_are_no_payload_of_tonnes(factor: float, unit: str) -> None:
+    """On few joints a payload beyond measure would explain them as well as their unit."""
+    wrong = identify(asmc_pin.load_arm("two_link"), replace(logged(), torque=factor * logged().torque))
+    assert f"the torques are in {unit}, not N·m" in wrong.headline()
+
+
+def test_what_makes_no_torque_in_the_log_is_named_as_not_estimated() -> None:
+    """Both axes are along y: no log of this arm tells where along them the payload is."""
+    assert found().to_json_dict()["given_up"] == [{"name": "payload.moment.y", "for": []}]
+    assert "payload.com.y" not in found().parameters
+    assert sum("payload.moment.y was not estimated: it makes no torque" in line for line in found().remarks()) == 1
+
+
 def test_a_payload_that_was_known_and_the_one_that_the_log_adds_are_one_in_the_measured_plant() -> None:
     arm = asmc_pin.load_arm(
         "two_link", payload={"mass": 0.3, "com": [0.02, 0.0, 0.1], "inertia": [1e-3, 0, 0, 1e-3, 0, 1e-3]}
