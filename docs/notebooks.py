@@ -23,9 +23,11 @@ _SECONDS = re.compile(r"(?<=, )[\d.]+ s(?=\))")
 def executed(path: Path) -> nbformat.NotebookNode:
     """A notebook after all its cells ran, in a folder of their own; the first cell that fails raises."""
     notebook = nbformat.read(path, as_version=4)
-    os.environ["PYTHONPATH"] = str(ROOT)
+    inline = "module://matplotlib_inline.backend_inline"  # whatever the surrounding process draws with
+    env = {**os.environ, "PYTHONPATH": str(ROOT), "MPLBACKEND": inline}
     with tempfile.TemporaryDirectory() as folder:
-        NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": folder}}).execute()
+        client = NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": folder}})
+        client.execute(env=env)
     return notebook
 
 

@@ -48,13 +48,13 @@ def _command(command: typer.core.TyperCommand) -> str:
     ]
     arguments = " ".join(p.metavar or p.name.upper() for p in command.params if p.param_type_name == "argument")
     said = [for_cell(paragraph) for paragraph in command.help.split("\n\n")]
-    lines = "\n".join(f"asmc-pin {line}" for line in EXAMPLES[command.name])
+    lines = "\n".join(f"asmc-pin {line}" for line in EXAMPLES.get(command.name, ()))
     return "\n\n".join(
         [
             f"### {command.name}",
             f"`asmc-pin {command.name} {arguments}".rstrip() + "`",
             *said,
             *([table(["argument or option", "meaning"], rows)] if rows else []),
-            f"```text\n{lines}\n```",
+            *([f"```text\n{lines}\n```"] if lines else []),
         ]
     )
