@@ -36,7 +36,9 @@ def sensitivity_lines(experiment: Experiment, rows: pd.DataFrame) -> list[str]:
 
 
 def limit_lines(experiment: Experiment, rows: pd.DataFrame) -> list[str]:
-    """Which laws would have run on the robot that the experiment names; else on one that limits its torque's rate.
+    """Which laws kept the limits of the robot that the experiment names; else would have run on one with that rate.
+
+    A robot has more limits than are published or judged here, so of a named one no more is said than that.
 
     Args:
         experiment: As run.
@@ -49,13 +51,15 @@ def limit_lines(experiment: Experiment, rows: pd.DataFrame) -> list[str]:
             return []
         ran = np.all(figures_by_trial(rows, "torque_rate_ticks") == 0.0, axis=(1, 2))
         name, said = f"a {', '.join(f'{x:g}' for x in limit)} N·m/s robot", "torque rate: "
+        kept = f"would have run on {name}"
     else:
         ran = np.all(np.isnan(figures_by_trial(rows, "trip_time")), axis=(1, 2))
         judged = [LIMITED_QUANTITIES[key][0] for key in robot.published]
         others = [words for words, _ in LIMITED_QUANTITIES.values() if words not in judged]
         missing = f" ({' and '.join(others)} not published, not judged)" if others else ""
         name, said = str(experiment.plant.limits), f"limits of {robot.robot}, {' and '.join(judged)}{missing}: "
+        kept = "kept them"
     labels = np.array(labels_of(rows))
-    parts = [f"{', '.join(labels[ran])} would have run on {name} in every trial"] if ran.any() else []
+    parts = [f"{', '.join(labels[ran])} {kept} in every trial"] if ran.any() else []
     parts += [f"{', '.join(labels[~ran])} would have tripped {name} in at least one trial"] if not ran.all() else []
     return [said + "; ".join(parts)]

@@ -54,7 +54,7 @@ def test_the_figure_stands_in_table_summary_note_and_json_and_never_is_null(done
     assert done.overview().header[-1] == "trips at [s]"
     assert done.overview().rows[0][-1] == "–"
     (note,) = (line for line in done.notes if line.startswith("limits of SO-101"))
-    assert "torque (torque rate and velocity not published, not judged): Calm would have run on so101" in note
+    assert "torque (torque rate and velocity not published, not judged): Calm kept them in every trial" in note
     assert "Torn would have tripped so101 in at least one trial" in note
     told = done.to_json_dict()
     assert told["limits"] == "so101"
