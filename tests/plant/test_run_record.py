@@ -29,6 +29,16 @@ def test_a_run_tells_how_many_trials_diverged_and_counts_the_others_figures(tmp_
     assert "3" not in lost.table()[1][0][2]
 
 
+def test_where_nobody_says_otherwise_no_torque_acted_before_and_each_is_reported_a_tick_later(tmp_path):
+    plant = Plant(slider(tmp_path, 2.0), friction=Friction(), start="relaxed")
+    run = rollout(plant, OpenLoop(lambda t: 1.0 + t, 1e-3), Still(np.zeros(1)), 0.01, batch=2)
+    bare = dataclasses.replace(run, held_torque=None, torque_measured=None)
+    assert bare.held_torque.tolist() == [[0.0], [0.0]]
+    np.testing.assert_array_equal(bare.torque_measured[:, 0], 0.0)
+    np.testing.assert_array_equal(bare.torque_measured[:, 1:], run.torque[:, :-1])
+    assert run.torque.min() > 0.5
+
+
 def test_a_joint_that_leaves_its_limits_is_named_with_the_first_time_and_the_farthest_it_came():
     arm = SimpleNamespace(lower=np.array([-1.0, 2.0]), upper=np.array([0.5, 4.0]))
     plant = SimpleNamespace(arm=SimpleNamespace(joint_names=("a", "b")), arms=(arm,))
