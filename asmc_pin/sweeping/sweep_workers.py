@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from typing import TypeVar
 
 import joblib
+from joblib.externals.loky.backend.resource_tracker import ensure_running
 
 from asmc_pin.errors import ExperimentError
 from asmc_pin.sweeping.block_rows import BlockRows
@@ -84,6 +85,8 @@ def in_workers(work: Callable[[Item], Result], items: Sequence[Item], workers: i
     run = joblib.delayed(_watched)
     with joblib.parallel_config(backend="loky", inner_max_num_threads=1):
         pool = joblib.Parallel(min(workers, len(items)), return_as="generator_unordered", batch_size=1, max_nbytes=None)
+        with _quiet_tracker():
+            ensure_running()  # unblocks SIGINT where it begins a tracker, so it has to be there before
         with _interrupts_held_back(), _quiet_tracker():
             done = pool(run(work, item, os.getpid()) for item in items)
         yield from done
@@ -116,6 +119,7 @@ def _end_with(parent: int) -> None:
     if _watching:
         return
     _watching = True
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the sweep's own process hears it, and ends this one
 
     def watch() -> None:
         while os.getppid() == parent:

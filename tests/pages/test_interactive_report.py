@@ -38,10 +38,13 @@ def curves(page: Page) -> list[list[list[bool]]]:
     return page.run("signalFigures[0].plots.map(({ renderers }) => renderers.map((own) => own.map((r) => r.visible)))")
 
 
-def test_it_opens_without_a_word_at_the_time_that_its_address_asks_for(page: Page) -> None:
-    assert page.messages == []
-    assert page.run("replays[0].time") == 0.25
-    assert page.run("signalFigures[0].cursorTime(0)") == pytest.approx(0.25, abs=1e-3)
+def test_it_opens_without_a_word_at_the_time_that_its_address_asks_for(browser: Browser, address: str) -> None:
+    with browser.page(1000, 700) as page:
+        page.open(f"{address}#t=0.25")
+        page.run(READY)
+        assert page.messages == []
+        assert page.run("replays[0].time") == 0.25
+        assert page.run("signalFigures[0].cursorTime(0)") == pytest.approx(0.25, abs=1e-3)
 
 
 def test_the_cursor_stands_where_the_scene_is(page: Page) -> None:

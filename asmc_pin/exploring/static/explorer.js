@@ -160,6 +160,7 @@
       this.showFigures();
       this.showLoop();
       this.map?.canvas.classList.add("is-stale");
+      this.map?.giveUp();
       this.map?.mark(q);
       this.drawMap();
       this.tell();

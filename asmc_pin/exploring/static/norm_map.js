@@ -32,6 +32,9 @@ const AsmcMap = (() => {
     // Where the norms are taken: in the middle of SIDE equal parts of each range.
     place(k, i) { return this.lower[k] + (this.upper[k] - this.lower[k]) * (i + 0.5) / SIDE; }
 
+    // What is under way is of something that has changed meanwhile: it is not to be shown as if it were of now.
+    giveUp() { this.run += 1; }
+
     // Begin a map; one that is under way is given up.
     compute(plane, q, mbar, cells) {
       const [x, y] = plane, point = Array.from(q), norms = new Float64Array(SIDE * SIDE), run = ++this.run;
