@@ -43,7 +43,7 @@ def explorer_page(report: ConditionReport, data: dict[str, Any], notes: tuple[st
         data: What `explored_arm.described` returned.
         notes: What a person should know of the picture.
     """
-    facts = [*report.hypotheses.rows(), ("Worst configuration", "; ".join(report.method))]
+    facts = [*report.hypotheses.rows(), ("How the worst was searched", "; ".join(report.method))]
     facts += [("Of the search", note) for note in report.notes]
     facts += [("Picture", note) for note in notes]
     return Template(script("explorer.html")).substitute(

@@ -10,24 +10,10 @@ import json
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
 import pytest
 from browser import TICK, Browser, shared_browser
-from matplotlib.figure import Figure
-from viewer_cases import awkward_result
-
-from asmc_pin import verify
-from asmc_pin.arms import load_arm
-from asmc_pin.inspection.inspection_page import inspection_page
-from asmc_pin.pages.condition_page import write_condition_report
-from asmc_pin.pages.plates import Plate
-from asmc_pin.pages.stability_page import write_stability_page
-from asmc_pin.pages.tables.findings_page import FindingsPage, Section, experiment_details
-from asmc_pin.pages.tables.text_table import Table
-from asmc_pin.sampled import stability
-from asmc_pin.sampled.frozen_arms import frozen_arms
-from asmc_pin.viewer import write_replay
+from every_page import PAGES, page_address
 
 NOT_OURS = [".replay-pane", ".signals-body"]
 WINDOWS = {"desk": (1000, 700), "phone": (390, 844)}
@@ -38,50 +24,15 @@ def axe() -> str:
     return (files("axe_core_python") / "axe.min.js").read_text(encoding="utf-8")
 
 
-def write_condition(path: Path) -> None:
-    arm = load_arm("two_link")
-    write_condition_report(verify(arm, mbar=0.5, samples=64), arm, path)
-
-
-def write_stability(path: Path) -> None:
-    arm = load_arm("two_link")
-    write_stability_page(stability(arm, 0.02, 12.0, 12.0, 0.001, samples=64, limits=False), frozen_arms(arm), path)
-
-
-def write_findings(path: Path) -> None:
-    """The page of sweeps, tunings and benchmarks."""
-    table = Table("at one point", ["controller", *map(str, range(12))], [["PPC", *["0.123456"] * 12]] * 3)
-    plate = Plate("curve", Figure(figsize=(2, 1)), "A curve")
-    sections = [Section(title, "As told", [table], named=True) for title in ("Medians", "Failures")]
-    appendix = experiment_details("The experiment", "name = 'x'\n")
-    FindingsPage("tiny", ["12 trials"], sections, [plate], {"PPC": "#0072B2"}, appendix).write(path)
-
-
-PAGES: dict[str, Any] = {
-    "report": lambda path: path.write_bytes((awkward_result().path / "report.html").read_bytes()),
-    "player": lambda path: write_replay(awkward_result(), path),
-    "condition": write_condition,
-    "stability": write_stability,
-    "findings": write_findings,
-    "inspection": lambda path: path.write_text(inspection_page(load_arm("two_link")), encoding="utf-8"),
-}
-
-
 @pytest.fixture(scope="module")
 def browser() -> Browser:
     return shared_browser()
 
 
-@pytest.fixture(scope="module", params=list(PAGES))
-def address(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> str:
-    path = tmp_path_factory.mktemp("axe") / f"{request.param}.html"
-    PAGES[request.param](path)
-    return path.as_uri()
-
-
 @pytest.mark.long
-def test_axe_finds_nothing_in_our_markup(browser: Browser, address: str) -> None:
-    found = []
+@pytest.mark.parametrize("kind", PAGES)
+def test_axe_finds_nothing_in_our_markup(browser: Browser, kind: str) -> None:
+    address, found = page_address(kind), []
     with browser.page() as page:
         for window, dark in ((window, dark) for window in WINDOWS for dark in (False, True)):
             page.size(*WINDOWS[window], dark=dark)

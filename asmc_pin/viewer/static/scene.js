@@ -13,7 +13,7 @@ const AsmcScene = (() => {
     return made;
   };
 
-  const GHOST = 0x5b9bff;
+  const GHOST = 0x5b9bff, GHOSTLY = 0.5, TINTED = 0.55;  // colour of the reference, and how opaque what is translucent is
 
   class Stage {
     constructor(host, data, embedded) {
@@ -31,8 +31,7 @@ const AsmcScene = (() => {
       // Until the user turns the view, it keeps all arms in sight.
       this.viewer.controls.addEventListener("start", () => { this.turned = true; });
       new ResizeObserver(() => {
-        this.viewer.set_3d_pane_size();
-        if (!host.clientHeight || this.turned) return;
+        if (!this.viewer.set_3d_pane_size() || !host.clientHeight || this.turned) return;
         this.arrange();
         this.resetView();
       }).observe(host);
@@ -42,9 +41,14 @@ const AsmcScene = (() => {
       const viewer = new MeshCat.Viewer(element(this.host, "div", { class: "replay-pane" }), false);
       this.viewer = viewer;
       viewer.gui.domElement.remove();
-      // Meshcat fills the window; here it fills its stage.
-      const resize = viewer.set_3d_pane_size.bind(viewer);
-      viewer.set_3d_pane_size = () => resize(this.host.clientWidth, this.host.clientHeight);
+      // Meshcat fills the window; here it fills its stage. Sizing empties the canvas: only where the size is another.
+      const resize = viewer.set_3d_pane_size.bind(viewer), size = { width: -1, height: -1 };
+      viewer.set_3d_pane_size = () => {
+        const { clientWidth: width, clientHeight: height } = this.host, other = width !== size.width || height !== size.height;
+        if (other) resize(width, height);
+        Object.assign(size, { width, height });
+        return other;
+      };
       window.onload = null;
       viewer.prefix = "";
       const handle = viewer.handle_command.bind(viewer);
@@ -78,9 +82,11 @@ const AsmcScene = (() => {
 
     populate() {
       const { arm, commands, motions, reference, stage } = this.data;
-      this.arms = motions.map((_, k) => new ArmView(this.viewer, `arm${k}`, arm, commands));
-      this.ghosts = reference === null ? [] : motions.map((_, k) => new ArmView(this.viewer, `ghost${k}`, arm, commands));
-      for (const ghost of this.ghosts) ghost.tint(GHOST, 0.34);
+      this.arms = [];
+      const view = (name) => new ArmView(this.viewer, name, arm, commands, this.arms[0]);
+      motions.forEach((_, k) => this.arms.push(view(`arm${k}`)));
+      this.ghosts = reference === null ? [] : motions.map((_, k) => view(`ghost${k}`));
+      for (const ghost of this.ghosts) ghost.tint(GHOST, GHOSTLY);
       motions.forEach((motion, k) => {
         if (motion.shades) this.arms[k].makeShaded();
         if (motion.torque) this.arms[k].addArcs(motion.colour, 0.085 * this.reach);
@@ -201,8 +207,8 @@ const AsmcScene = (() => {
     // All arms on one base, tinted, with the reference as the solid one; or side by side with a ghost of it in each.
     gather(together) {
       this.together = together;
-      this.arms.forEach((arm, k) => arm.tint(together ? this.data.motions[k].colour : null, 0.4));
-      this.ghosts[0]?.tint(together ? null : GHOST, 0.34);
+      this.arms.forEach((arm, k) => arm.tint(together ? this.data.motions[k].colour : null, TINTED));
+      this.ghosts[0]?.tint(together ? null : GHOST, GHOSTLY);
       this.host.classList.toggle("is-together", together);
       for (const { label } of this.labels) label.style.transform = "";
       this.arrange();
@@ -289,9 +295,8 @@ const AsmcScene = (() => {
     // The picture with its labels, as paper needs it: a canvas of its own.
     photograph() {
       const { viewer, canvas, host } = this, made = document.createElement("canvas"), pen = made.getContext("2d");
-      viewer.set_dirty();
-      this.render();
       viewer.render();  // in the same turn, or the browser may have emptied the canvas
+      this.placeLabels();
       Object.assign(made, { width: canvas.width, height: canvas.height });
       pen.drawImage(canvas, 0, 0);
       pen.scale(canvas.width / host.clientWidth, canvas.height / host.clientHeight);
@@ -314,21 +319,35 @@ const AsmcScene = (() => {
       return made;
     }
 
+    // Beyond the window's edge a motion goes on unseen, and is drawn when it is seen again.
+    get seen() {
+      const { top, bottom } = this.host.getBoundingClientRect();
+      return bottom > 0 && top < innerHeight;
+    }
+
     render() {
-      if (!this.viewer.needs_render) return;
+      if (!this.viewer.needs_render || (this.drawn && !this.seen)) return;
+      this.drawn = true;
       this.viewer.render();
-      const { clientWidth, clientHeight } = this.host, { centre, ground } = this.data.stage, { camera } = this.viewer;
-      this.labels.forEach(({ label }, k) => {
-        if (this.together) {  // in a row below, as the style sheet has them
-          label.hidden = this.off[k];
-          return;
-        }
+      this.placeLabels();
+    }
+
+    placeLabels() {
+      const { host, labels, off, rim } = this, { centre, ground } = this.data.stage, { camera } = this.viewer;
+      if (this.together) {  // in a row below, as the style sheet has them
+        labels.forEach(({ label }, k) => { label.hidden = off[k]; });
+        return;
+      }
+      const { clientWidth, clientHeight } = host;
+      // All widths are asked for before any label moves: a browser lays the page out once.
+      const widths = labels.map(({ label }) => label.offsetWidth);
+      labels.forEach(({ label }, k) => {
         // In front of the ring, as the camera stands.
         const x = this.offsets[k][0] + centre[0], y = this.offsets[k][1] + centre[1];
-        const dx = camera.position.x - x, dy = -camera.position.z - y, step = this.rim / (Math.hypot(dx, dy) || 1);
+        const dx = camera.position.x - x, dy = -camera.position.z - y, step = rim / (Math.hypot(dx, dy) || 1);
         const point = new THREE.Vector3(x + step * dx, ground, -(y + step * dy)).project(camera);
-        label.hidden = point.z > 1 || this.off[k];
-        const half = label.offsetWidth / 2 + 4;
+        label.hidden = point.z > 1 || off[k];
+        const half = widths[k] / 2 + 4;
         const left = Math.min(Math.max((point.x + 1) / 2 * clientWidth, half), clientWidth - half);
         label.style.transform = `translate(-50%, 5px) translate(${left.toFixed(1)}px, ${((1 - point.y) / 2 * clientHeight).toFixed(1)}px)`;
       });
