@@ -13,6 +13,7 @@ const AsmcArm = (() => {
       this.arm = arm;
       this.root = viewer.scene_tree.find(["replay", name]).object;
       this.motions = [];
+      this.drawn = [];  // its mesh, by the number of the body
       const paths = [];
       arm.bodies.forEach((body, index) => {
         const path = index ? paths[body.parent].concat(`joint${index}`) : ["replay", name, "base"];
@@ -20,16 +21,16 @@ const AsmcArm = (() => {
         paths.push(path.concat("motion"));
         this.motions.push(viewer.scene_tree.find(paths[index]).object);
         if (!commands[index]) return;
-        if (like) {
-          viewer.set_object(paths[index], like.drawn[index].clone());
-          return;
+        if (like) viewer.set_object(paths[index], like.drawn[index].clone());
+        else {
+          // Meshcat decodes its own command; only the path is this arm's.
+          viewer.prefix = "/" + paths[index].join("/");
+          viewer.handle_command_bytearray(bytes(commands[index]));
+          viewer.prefix = "";
         }
-        // Meshcat decodes its own command; only the path is this arm's.
-        viewer.prefix = "/" + paths[index].join("/");
-        viewer.handle_command_bytearray(bytes(commands[index]));
-        viewer.prefix = "";
+        // What hangs on it comes later: the one mesh below is its own.
+        this.motions[index].traverse((object) => { if (object.isMesh) this.drawn[index] = object; });
       });
-      this.drawn = paths.map((path, index) => (commands[index] ? viewer.scene_tree.find(path.concat("<object>")).object : null));
       this.meshes = this.drawn.filter((mesh) => mesh);
       for (const mesh of this.meshes) mesh.receiveShadow = false;
       this.own = this.meshes.map((mesh) => mesh.material);

@@ -15,6 +15,9 @@ const AsmcScene = (() => {
 
   const GHOST = 0x5b9bff, GHOSTLY = 0.5, TINTED = 0.55;  // colour of the reference, and how opaque what is translucent is
 
+  // Half the angle that the picture is wide, rad. So long a lens sees all arms from one side, and no outer one leans.
+  const LENS = 0.05;
+
   class Stage {
     constructor(host, data, embedded) {
       this.host = host;
@@ -53,7 +56,6 @@ const AsmcScene = (() => {
       viewer.prefix = "";
       const handle = viewer.handle_command.bind(viewer);
       viewer.handle_command = (command) => handle({ ...command, path: viewer.prefix + (command.path || "") });
-      viewer.camera.fov = 10;  // a long lens: the outer arms do not lean
       viewer.controls.enableZoom = !embedded;
       this.canvas = viewer.renderer.domElement;
       this.canvas.setAttribute("role", "img");
@@ -165,6 +167,7 @@ const AsmcScene = (() => {
       const cell = [0.02, 0.05, 0.1, 0.25, 0.5, 1].find((c) => c > reach / 12) || 1;
       const far = Math.max(...this.offsets.map((o) => Math.hypot(...o)), 0) + 2.2 * reach;
       const cells = 2 * Math.ceil(far / cell);
+      this.extent = 4 * far;  // beyond the floor's corners, wherever the view is shifted to
       const grid = new THREE.GridHelper(cells * cell, cells, dark ? 0x4a525d : 0xb7bfc9, dark ? 0x333a43 : 0xcfd5dc);
       grid.rotateX(Math.PI / 2);
       grid.position.z = ground;
@@ -262,6 +265,7 @@ const AsmcScene = (() => {
       const { viewer, elevation, rim } = this, { outline, centre, ground, azimuth } = this.data.stage;
       this.turned = false;
       viewer.set_3d_pane_size();
+      viewer.camera.fov = THREE.MathUtils.radToDeg(2 * Math.atan(Math.tan(LENS) / Math.max(1, viewer.camera.aspect)));
       const toward = new THREE.Vector3(Math.cos(azimuth) * Math.cos(elevation), Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation));
       const right = new THREE.Vector3(-Math.sin(azimuth), Math.cos(azimuth), 0);
       const up = new THREE.Vector3().crossVectors(toward, right);
@@ -285,7 +289,6 @@ const AsmcScene = (() => {
       middle.addScaledVector(right, x).addScaledVector(up, y);
       // Meshcat's camera lives in three.js axes: y up.
       const swap = (v) => new THREE.Vector3(v.x, v.z, -v.y);
-      Object.assign(viewer.camera, { near: distance / 200, far: 40 * distance });
       viewer.controls.target.copy(swap(middle));
       viewer.camera.position.copy(swap(middle.clone().addScaledVector(toward, distance)));
       viewer.controls.update();
@@ -295,8 +298,7 @@ const AsmcScene = (() => {
     // The picture with its labels, as paper needs it: a canvas of its own.
     photograph() {
       const { viewer, canvas, host } = this, made = document.createElement("canvas"), pen = made.getContext("2d");
-      viewer.render();  // in the same turn, or the browser may have emptied the canvas
-      this.placeLabels();
+      this.draw();  // in the same turn, or the browser may have emptied the canvas
       Object.assign(made, { width: canvas.width, height: canvas.height });
       pen.drawImage(canvas, 0, 0);
       pen.scale(canvas.width / host.clientWidth, canvas.height / host.clientHeight);
@@ -327,8 +329,15 @@ const AsmcScene = (() => {
 
     render() {
       if (!this.viewer.needs_render || (this.drawn && !this.seen)) return;
+      this.draw();
+    }
+
+    draw() {
+      const { viewer, extent } = this, { camera, controls } = viewer, away = camera.position.distanceTo(controls.target);
+      // As near to what is seen as may be: depths are told apart by their ratio, and a long lens stands far off.
+      Object.assign(camera, { near: Math.max(away - extent, away / 200), far: away + extent });
       this.drawn = true;
-      this.viewer.render();
+      viewer.render();
       this.placeLabels();
     }
 
