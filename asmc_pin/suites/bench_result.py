@@ -55,6 +55,7 @@ def bench_json(findings: BenchFindings, cells: Sequence[CellResult]) -> dict[str
         laws[findings.laws[k]] = {
             "law": findings.kinds[findings.laws[k]],
             "rank": {"mean": mean.rank, "low": mean.low, "high": mean.high},
+            "shifted_mean": float(findings.means[k]) if math.isfinite(findings.means[k]) else None,
             "problems_failed": int(findings.lost[k]),
             "trials_failed": int(findings.failed[k].sum()),
             "trials_over": int(findings.over[k].sum()),

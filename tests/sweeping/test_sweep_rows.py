@@ -1,5 +1,6 @@
 """The rows of a sweep: the same bits whatever the blocks, the workers and the batch; never stale; nothing lost."""
 
+import re
 import shutil
 import tracemalloc
 
@@ -16,6 +17,7 @@ from asmc_pin.sweeping import sweep
 from asmc_pin.sweeping.block_rows import BlockRows
 from asmc_pin.sweeping.sweep_key import sweep_key
 from asmc_pin.sweeping.sweep_plan import sweep_plan
+from asmc_pin.sweeping.sweep_verb import how_far
 from asmc_pin.sweeping.trial_replay import replay
 
 
@@ -111,6 +113,19 @@ def test_all_controllers_meet_the_same_trial(whole):
     for _, trial in rows.groupby(["trial", "joint"]):
         assert (trial[varied].nunique() == 1).all()
         assert len(trial) == 2
+
+
+def test_progress_says_how_many_trials_are_done_how_fast_and_how_long_the_rest_takes(tmp_path):
+    told = []
+    sweep(tiny(), 4, tmp_path / "s", workers=1, block=4, progress=lambda *each: told.append(each))
+    assert told[1] == ("0 of 8 trials", 0.0)
+    assert re.fullmatch(r"4 of 8 trials, [\d.e+]+ per s, \d+ (s|min|h) left", told[2][0])
+    assert told[2][1] == 0.5
+    assert told[3][0].startswith("8 of 8 trials, ")
+    assert told[3][0].endswith(" per s, 0 s left")
+    plan = sweep_plan(tiny(), 3000, 4, "key")  # 6,000 trials, of which 1,000 were there
+    assert how_far(plan, 5000, 200, 100.0) == "1,200 of 6,000 trials, 2 per s, 40 min left"
+    assert how_far(plan, 5000, 2, 10.0) == "1,002 of 6,000 trials, 0.2 per s, 7 h left"
 
 
 def test_more_draws_keep_the_trials_that_were_there(whole, tmp_path):

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from asmc_pin.pages.benches.bench_findings import BenchFindings
+from asmc_pin.pages.benches.bench_findings import SHIFT, BenchFindings
 from asmc_pin.pages.sweeps.sweep_tables import AT_LEAST
 from asmc_pin.pages.tables.text_table import Table, number
 from asmc_pin.statistics.over_tasks import performance_ratios
@@ -16,7 +16,8 @@ HOW_RANKED = (
     f"mean over the joints ({AT_LEAST}); ∞ where most trials failed, or no gains that were tried kept the limit. "
     "Rank 1 is the best law of a problem; equal figures, failures among them, share a rank. In brackets the 95 % "
     "interval (BCa) of the mean rank over which problems it might have been. Best in: problems in which the law is the "
-    "first."
+    f"first. Shifted mean: (Π (x + s))^(1/n) − s of its n figures, s = {SHIFT:g}, so that neither the hardest nor the "
+    "easiest problem rules it; ∞ for a law that failed in one."
 )
 HOW_FAILED = (
     "Figure over that of the best law on the problem. Failed: no figure, since most held-out trials failed. Limit: no "
@@ -45,13 +46,15 @@ def rank_table(findings: BenchFindings) -> Table:
                 f"{mean.rank:.2f} [{mean.low:.2f}, {mean.high:.2f}]",
                 str(first),
                 f"{100.0 * within:.0f} %",
+                number(float(findings.means[k])),
                 str(int(findings.lost[k])),
                 str(int(findings.failed[k].sum())),
                 str(int(findings.over[k].sum())),
             ]
         )
-    header = ["law", "mean rank [95 %]", "best in", "within 2× of best", "problems failed", "trials failed"]
-    return Table(f"{len(findings.problems)} problems", [*header, "trials over"], rows)
+    header = ["law", "mean rank [95 %]", "best in", "within 2× of best", f"shifted mean [{findings.unit}]"]
+    header += ["problems failed", "trials failed", "trials over"]
+    return Table(f"{len(findings.problems)} problems", header, rows)
 
 
 def problem_table(findings: BenchFindings) -> Table:

@@ -12,6 +12,7 @@ from asmc_pin.metrics import METRICS, QUANTITIES
 from asmc_pin.pages.sweeps.sweep_findings import FAILURE, Compared, SweepFindings
 from asmc_pin.pages.tables.text_table import NOTHING, Table, number
 from asmc_pin.statistics.order_statistics import spread_of
+from asmc_pin.statistics.paired_ratio import LEVEL
 
 AT_LEAST = "a joint below 1e-6, 1e-12 for a square, counts as that"
 """What `asmc_pin.statistics.joint_mean` does, for the notes under tables."""
@@ -113,7 +114,14 @@ def _verdict(findings: SweepFindings, metric: str, overall: list[Compared]) -> s
         return f"{measure(metric)}: no controller is better than all others with certainty"
     closest = max(beaten[winner], key=lambda p: p.ratio)
     ratio = f"{number(closest.ratio)} [{number(closest.low)}, {number(closest.high)}]"
-    return f"{measure(metric)}: {winner} is better than all others; next is {closest.worse}, ratio {ratio}"
+    said = f"{measure(metric)}: {winner} is better than all others; next is {closest.worse}, ratio {ratio}"
+    # A few trials that went badly can decide a mean, while in most the order is the other one.
+    doubted = [
+        f"{pair.worse} (p {number(pair.p)}, chance {100.0 * pair.improvement:.0f} %)"
+        for pair in beaten[winner]
+        if pair.p >= 1.0 - LEVEL
+    ]
+    return f"{said}; sure by the mean alone, not by ranks, against {', '.join(doubted)}" if doubted else said
 
 
 def failure_lines(findings: SweepFindings) -> list[str]:
