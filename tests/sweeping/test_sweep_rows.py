@@ -2,6 +2,7 @@
 
 import re
 import shutil
+import time
 import tracemalloc
 
 import numpy as np
@@ -18,6 +19,7 @@ from asmc_pin.sweeping.block_rows import BlockRows
 from asmc_pin.sweeping.sweep_key import sweep_key
 from asmc_pin.sweeping.sweep_plan import sweep_plan
 from asmc_pin.sweeping.sweep_verb import how_far
+from asmc_pin.sweeping.sweep_workers import in_workers
 from asmc_pin.sweeping.trial_replay import replay
 
 
@@ -191,6 +193,15 @@ def test_a_draw_that_fits_no_experiment_names_its_trial(tmp_path):
     for workers in (1, 2):
         with pytest.raises(ExperimentError, match=rf"trial {bad}: .*arm\.payload\.mass"):
             sweep(sweeping, bad + 1, tmp_path / str(workers), workers=workers, block=bad // 2 + 1)
+
+
+@pytest.mark.long
+def test_workers_that_are_given_up_in_mid_run_warn_of_nothing(recwarn):
+    """What is wrong is one message; joblib has advice on top, about tasks that were cancelled."""
+    done = in_workers(time.sleep, [0.02] * 30, 2)
+    next(done)
+    done.close()
+    assert [str(item.message) for item in recwarn.list] == []
 
 
 def test_a_folder_that_is_no_sweep_is_left_alone(tmp_path):
