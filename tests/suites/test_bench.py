@@ -12,7 +12,7 @@ from scipy import stats
 import asmc_pin
 from asmc_pin.controllers import CONTROLLERS
 from asmc_pin.errors import ExperimentError, ParameterError, ResultError
-from asmc_pin.pages.benches.bench_tables import bench_lines, problem_table, rank_table
+from asmc_pin.pages.benches.bench_tables import bench_lines, pair_table_of, problem_table, rank_table
 from asmc_pin.suites.bench_result import bench_json
 from asmc_pin.suites.bench_verb import findings_of
 from asmc_pin.suites.cell_experiment import cell_experiment
@@ -241,3 +241,23 @@ def test_mistakes_are_told(tmp_path):
     (tmp_path / "thesis" / "one.txt").write_text("years of work")
     with pytest.raises(ResultError, match="holds files that are no benchmark"):
         asmc_pin.bench(out=tmp_path / "thesis", **PART)
+
+
+def test_surely_is_said_of_all_pairs_at_once_and_one_pair_by_itself_is_told_as_such():
+    """ppc has twice the proposed law's figure everywhere; bsmc is far ahead in a few problems only."""
+    suite = load_suite().part(laws=["ppc", "bsmc", "baek2016"])
+    ahead = [
+        0.2 + 0.01 * j if j < 5 else 1.0 + 0.002 * j * (-1) ** j for j in range(len(suite.arms) * len(suite.tasks))
+    ]
+    cells = []
+    for (arm, task), small in zip(((a, t) for a in suite.arms for t in suite.tasks), ahead, strict=True):
+        for law, figure in (("ppc", 2.0), ("bsmc", small), ("baek2016", 1.0)):
+            cells.append(made(law, arm, task, [figure] * 3))
+    found = findings_of(suite, cells)
+    pairs = dict(found.verdicts_on("baek2016"))
+    assert pairs["bsmc"].certain
+    assert pairs["bsmc"].p > 0.05
+    lines = bench_lines(found)
+    assert "baek2016 is surely better than ppc" in lines
+    assert "baek2016 is worse than bsmc (pair by pair, not adjusted for all pairs at once)" in lines
+    assert {row[0]: row[-1] for row in pair_table_of(found, "baek2016").rows} == {"ppc": "yes", "bsmc": "pair"}

@@ -12,7 +12,6 @@ from asmc_pin.metrics import METRICS, QUANTITIES
 from asmc_pin.pages.sweeps.sweep_findings import FAILURE, Compared, SweepFindings
 from asmc_pin.pages.tables.text_table import NOTHING, Table, number
 from asmc_pin.statistics.order_statistics import spread_of
-from asmc_pin.statistics.paired_ratio import LEVEL
 
 AT_LEAST = "a joint below 1e-6, 1e-12 for a square, counts as that"
 """What `asmc_pin.statistics.joint_mean` does, for the notes under tables."""
@@ -119,7 +118,7 @@ def _verdict(findings: SweepFindings, metric: str, overall: list[Compared]) -> s
     doubted = [
         f"{pair.worse} (p {number(pair.p)}, chance {100.0 * pair.improvement:.0f} %)"
         for pair in beaten[winner]
-        if pair.p >= 1.0 - LEVEL
+        if not pair.certain_in_family
     ]
     return f"{said}; sure by the mean alone, not by ranks, against {', '.join(doubted)}" if doubted else said
 
