@@ -17,8 +17,11 @@ HOW_RANKED = (
     f"mean over the joints ({AT_LEAST}); ∞ where most trials failed, or no gains that were tried kept the limit. "
     "Rank 1 is the best law of a problem; equal figures, failures among them, share a rank. In brackets the 95 % "
     "interval (BCa) of the mean rank over which problems it might have been. Best in: problems in which the law is the "
-    f"first. Shifted mean: (Π (x + s))^(1/n) − s of its n figures, s = {SHIFT:g}, so that neither the hardest nor the "
-    "easiest problem rules it; ∞ for a law that failed in one."
+    "first."
+)
+HOW_MEANT = (
+    f"Shifted geometric mean (Π (x + s))^(1/n) − s of a law's n figures, s = {SHIFT:g}, so that neither the hardest "
+    "nor the easiest problem rules it; of each task over the arms, and of all problems. ∞ where the law failed in one."
 )
 HOW_FAILED = (
     "Figure over that of the best law on the problem. Failed: no figure, since most held-out trials failed. Limit: no "
@@ -48,15 +51,21 @@ def rank_table(findings: BenchFindings) -> Table:
                 f"{mean.rank:.2f} [{mean.low:.2f}, {mean.high:.2f}]",
                 str(first),
                 f"{100.0 * within:.0f} %",
-                number(float(findings.means[k])),
                 str(int(findings.lost[k])),
                 str(int(findings.failed[k].sum())),
                 str(int(findings.over[k].sum())),
             ]
         )
-    header = ["law", "mean rank [95 %]", "best in", "within 2× of best", f"shifted mean [{findings.unit}]"]
-    header += ["problems failed", "trials failed", "trials over"]
-    return Table(f"{len(findings.problems)} problems", header, rows)
+    header = ["law", "mean rank [95 %]", "best in", "within 2× of best", "problems failed", "trials failed"]
+    return Table(f"{len(findings.problems)} problems", [*header, "trials over"], rows)
+
+
+def mean_table(findings: BenchFindings) -> Table:
+    """Every law by its shifted geometric means."""
+    columns = [findings.means(task) for task in (*findings.tasks, None)]
+    rows = [[findings.laws[k], *(number(float(x[k])) for x in columns)] for k in findings.order]
+    header = ["law", *(f"{name} [{findings.unit}]" for name in (*findings.tasks, "all"))]
+    return Table("Shifted geometric means", header, rows)
 
 
 def problem_table(findings: BenchFindings) -> Table:
