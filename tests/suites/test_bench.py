@@ -7,11 +7,13 @@ import math
 
 import numpy as np
 import pytest
+from scipy import stats
 
 import asmc_pin
 from asmc_pin.controllers import CONTROLLERS
 from asmc_pin.errors import ExperimentError, ParameterError, ResultError
-from asmc_pin.pages.benches.bench_tables import bench_lines, pair_table_of, problem_table
+from asmc_pin.pages.benches.bench_tables import bench_lines, mean_table, pair_table_of, problem_table
+from asmc_pin.suites.bench_result import bench_json
 from asmc_pin.suites.bench_verb import findings_of
 from asmc_pin.suites.cell_experiment import cell_experiment
 from asmc_pin.suites.cell_runs import CellResult, from_json
@@ -179,6 +181,27 @@ def test_a_failure_is_infinite_and_counts_in_ranks():
     assert [mean.rank for mean in found.ranks] == [1.75, 1.5, 2.75]
     assert found.lost.tolist() == [0, 1, 1]
     assert found.failed.sum(axis=1).tolist() == [0, 5, 0]
+
+
+def test_the_shifted_means_of_a_law_over_arms_and_tasks_are_scipys_and_infinite_after_a_failure():
+    suite = load_suite().part(arms=["rv4fd", "ur5"], tasks=["smooth", "push"], laws=["ppc", "bsmc"])
+    figures = [1e-5, 2e-3, 4e-2, 0.3]
+    problems = [(arm, task) for arm in suite.arms for task in suite.tasks]
+    cells = [made("ppc", *each, [x]) for each, x in zip(problems, figures, strict=True)]
+    cells += [made("bsmc", *each, [x], kept=x > 1e-4) for each, x in zip(problems, figures, strict=True)]
+    found = findings_of(suite, cells)
+    mean, smooth, push = (stats.gmean(np.array(x) + 1e-5) - 1e-5 for x in (figures, figures[::2], figures[1::2]))
+    assert found.means().tolist() == [pytest.approx(mean, rel=1e-12), math.inf]
+    assert found.means("push").tolist() == [pytest.approx(push, rel=1e-12)] * 2
+    table = mean_table(found)
+    assert table.header == ["law", "smooth [rad]", "push [rad]", "all [rad]"]
+    rows = {row[0]: row[1:] for row in table.rows}
+    assert [float(x) for x in rows["ppc"]] == pytest.approx([smooth, push, mean], rel=0.01)
+    assert rows["bsmc"] == ["∞", rows["ppc"][1], "∞"]
+    told = bench_json(found, cells)["laws"]
+    assert told["ppc"]["shifted_mean"] == pytest.approx(mean, rel=1e-12)
+    assert told["bsmc"]["shifted_mean"] is None
+    assert told["bsmc"]["shifted_mean_of_task"] == {"smooth": None, "push": pytest.approx(push, rel=1e-12)}
 
 
 def test_it_is_said_plainly_who_fails_where_and_where_the_proposed_law_stands():

@@ -6,13 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from asmc_pin.pages.benches.bench_findings import BenchFindings
+from asmc_pin.pages.benches.bench_findings import SHIFT, BenchFindings
 from asmc_pin.pages.sweeps.sweep_tables import AT_LEAST
 from asmc_pin.pages.tables.text_table import Table, number
 from asmc_pin.statistics.over_tasks import performance_ratios
-from asmc_pin.statistics.pairwise import PairedComparison
-
-_FAMILY_LEVEL = 0.05
+from asmc_pin.statistics.pairwise import FAMILY_LEVEL, PairedComparison
 
 HOW_RANKED = (
     "A problem is an arm with a task. Figure of a law on a problem: median over its held-out trials of the geometric "
@@ -20,6 +18,10 @@ HOW_RANKED = (
     "Rank 1 is the best law of a problem; equal figures, failures among them, share a rank. In brackets the 95 % "
     "interval (BCa) of the mean rank over which problems it might have been. Best in: problems in which the law is the "
     "first."
+)
+HOW_MEANT = (
+    f"Shifted geometric mean (Π (x + s))^(1/n) − s of a law's n figures, s = {SHIFT:g}, so that neither the hardest "
+    "nor the easiest problem rules it; of each task over the arms, and of all problems. ∞ where the law failed in one."
 )
 HOW_FAILED = (
     "Figure over that of the best law on the problem. Failed: no figure, since most held-out trials failed. Limit: no "
@@ -29,7 +31,7 @@ HOW_PAIRED = (
     "Ratio: geometric mean over the problems of the better law's figure over the other's, with its 95 % interval (BCa "
     "bootstrap over problems); the median where failures make it infinite. p: Wilcoxon's signed-rank test over the "
     "problems, adjusted by Holm over all pairs of laws. Sure: yes where the interval excludes 1 and p is below "
-    f"{_FAMILY_LEVEL}; pair where only the interval does, which holds for that pair alone, not for all pairs at once."
+    f"{FAMILY_LEVEL}; pair where only the interval does, which holds for that pair alone, not for all pairs at once."
 )
 
 
@@ -56,6 +58,14 @@ def rank_table(findings: BenchFindings) -> Table:
         )
     header = ["law", "mean rank [95 %]", "best in", "within 2× of best", "problems failed", "trials failed"]
     return Table(f"{len(findings.problems)} problems", [*header, "trials over"], rows)
+
+
+def mean_table(findings: BenchFindings) -> Table:
+    """Every law by its shifted geometric means."""
+    columns = [findings.means(task) for task in (*findings.tasks, None)]
+    rows = [[findings.laws[k], *(number(float(x[k])) for x in columns)] for k in findings.order]
+    header = ["law", *(f"{name} [{findings.unit}]" for name in (*findings.tasks, "all"))]
+    return Table("Shifted geometric means", header, rows)
 
 
 def problem_table(findings: BenchFindings) -> Table:
@@ -125,7 +135,7 @@ def _sure(each: PairedComparison) -> str:
     """How sure the order of a pair is: for all pairs at once, for this one by itself, or not."""
     if not each.certain:
         return "no"
-    return "yes" if each.p < _FAMILY_LEVEL else "pair"
+    return "yes" if each.certain_in_family else "pair"
 
 
 def failure_lines(findings: BenchFindings) -> Iterator[str]:
