@@ -18,6 +18,7 @@ from PIL import Image, ImageDraw, ImageFont
 from asmc_pin.arms import Arm, arm_names, load_arm
 from asmc_pin.disk.files import write_whole
 from asmc_pin.viewer.film.headless_browser import HeadlessPage, headless_page
+from asmc_pin.viewer.film.replay_pictures import BARE
 
 FRAME = (480, 400)
 """Pixels of each arm's picture."""
@@ -31,10 +32,12 @@ def photographer(width: int, height: int) -> Iterator[HeadlessPage]:
         yield page
 
 
-def photograph(page: HeadlessPage, file: Path, time: float) -> bytes:
-    """What a page of the viewer shows at a time, as PNG."""
+def photograph(page: HeadlessPage, file: Path, time: float, *, bare: bool = False) -> bytes:
+    """What a page of the viewer shows at a time, as PNG; `bare`: its scene alone."""
     page.open("about:blank")  # another fragment of the same file alone would not load it anew
     page.open(f"{file.resolve().as_uri()}#t={time:g}")
+    if bare:
+        page.run(BARE)
     page.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
     return page.picture()
 
@@ -49,7 +52,7 @@ def sheet(arms: Mapping[str, Arm], columns: int = 4) -> Image.Image:
             file = Path(folder) / f"{k}.html"
             write_whole(file, every_arm.page(arms[name], name, ""))
             x, y = k % columns * width, k // columns * (height + 24)
-            made.paste(Image.open(io.BytesIO(photograph(page, file, 1.6))).convert("RGB"), (x, y + 24))
+            made.paste(Image.open(io.BytesIO(photograph(page, file, 1.6, bare=True))).convert("RGB"), (x, y + 24))
             pen.text((x + 8, y + 3), name, fill="black", font=font)
     return made
 

@@ -3,11 +3,30 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
+import test_accessibility
 from browser import TICK, Browser, Page, shared_browser
-from every_page import PAGES, page_address
+
+from asmc_pin import Recording, explore, load_arm, verify
+from asmc_pin.pages.condition_page import write_condition_report
+
+
+def write_along(path: Path) -> None:
+    """Of a condition along a motion: beside the scene of the worst configuration it has one that moves."""
+    arm, time = load_arm("two_link"), np.linspace(0.0, 1.0, 101)
+    log = Recording("log", time, 0.8 * np.sin(2.0 * np.pi * time[:, None] + np.array([0.0, 1.0])))
+    write_condition_report(verify(arm, mbar=0.01, along=log, samples=64), arm, path)
+
+
+PAGES: dict[str, Callable[[Path], object]] = {
+    **test_accessibility.PAGES,
+    "explorer": lambda path: explore(load_arm("two_link"), [0.05, 0.09], samples=64, html=path),
+    "condition along a motion": write_along,
+}
 
 QUICK = ("condition along a motion",)
 """A page with a scene that moves, one that does not, and a table."""
@@ -30,10 +49,12 @@ def browser() -> Browser:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_on_a_phone_it_keeps_what_every_page_promises(browser: Browser, kind: str) -> None:
+def test_on_a_phone_it_keeps_what_every_page_promises(browser: Browser, kind: str, tmp_path: Path) -> None:
+    path = tmp_path / "page.html"
+    PAGES[kind](path)
     with browser.page(390, 844) as page:
         page.call("Emulation.setTouchEmulationEnabled", enabled=True)
-        page.open(f"{page_address(kind)}#t=0.1")
+        page.open(f"{path.as_uri()}#t=0.1")
         page.run("Promise.all((window.signalFigures ?? []).map((figure) => figure.ready))")
         page.run("document.querySelectorAll('details').forEach((fold) => { fold.open = true; })")
         page.run(TICK)
