@@ -97,6 +97,7 @@
         this.dragging = new AsmcDragging.ArmDragging(this.stage, { where: () => this.q, move: (k, value) => this.move(k, value) });
         one(".reset-view").addEventListener("click", () => this.stage.resetView());
         matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.stage.floor());
+        addEventListener("beforeprint", () => this.stage.still(document.querySelector("h1").textContent));
         const tick = () => { requestAnimationFrame(tick); this.stage.render(); };
         tick();
       } catch (error) {
