@@ -1,4 +1,4 @@
-"""Pages as axe-core judges them: names, roles, contrast; on a desk and on a phone, light and dark.
+"""Every kind of page: as axe-core judges it on a desk and on a phone, light and dark; and on paper.
 
 Left out is what is not our markup: the canvas that Meshcat draws into and the plots that Bokeh builds. Both have names
 from the elements around them, which are judged.
@@ -150,6 +150,49 @@ def test_axe_finds_nothing_in_our_markup(browser: Browser, address: str) -> None
                 for node in each["nodes"]
             ]
         assert not found, "\n".join(map(str, found))
+
+
+PAPER = (688, 1017)
+"""An A4 page less margins of 14 mm, CSS pixels."""
+
+BEYOND_THE_PAGE = """[...document.querySelectorAll('body *')].filter((part) => {
+    const { width, right } = part.getBoundingClientRect(), box = part.closest('.scroll, pre, .paper');
+    return (width > 1 && right > innerWidth + 1) || (part === box && part.scrollWidth > part.clientWidth + 1);
+}).map((part) => part.outerHTML.slice(0, 120))"""
+
+SPREAD_OF_COLOURS = """((picture) => {
+    const small = document.createElement('canvas'), pen = small.getContext('2d');
+    small.width = small.height = 40;
+    pen.drawImage(picture, 0, 0, 40, 40);
+    const red = [...pen.getImageData(0, 0, 40, 40).data].filter((_, k) => k % 4 === 0);
+    return [picture.getBoundingClientRect().height, Math.max(...red) - Math.min(...red), red[0]];
+})"""
+
+
+@pytest.mark.long
+def test_on_paper_nothing_is_cut_all_is_open_scenes_are_stills_and_the_ground_is_white(
+    browser: Browser, address: str
+) -> None:
+    with browser.page(*PAPER, dark=True) as page:
+        page.open(address)
+        page.run("Promise.all((window.signalFigures ?? []).map((figure) => figure.ready))")
+        page.run("dispatchEvent(new Event('beforeprint'))")  # which comes before the medium changes
+        page.call("Emulation.setEmulatedMedia", media="print")  # and light, as browsers print
+        page.run("Promise.allSettled([...document.images].map((image) => image.decode()))")
+        page.run(TICK)
+        assert page.messages == []
+        assert page.run("[...document.querySelectorAll('details')].every((fold) => fold.open)")
+        assert page.run(BEYOND_THE_PAGE) == []
+        scenes = page.run("document.querySelectorAll('.replay').length")
+        stills = page.run(f"[...document.querySelectorAll('.replay-still')].map({SPREAD_OF_COLOURS})")
+        assert len(stills) == scenes
+        assert all(corner > 200 for _, _, corner in stills), "a dark screen's scene is light on paper"
+        stills += page.run(f"[...document.querySelectorAll('canvas.map')].map({SPREAD_OF_COLOURS})")
+        assert all(height > 100 and spread > 30 for height, spread, _ in stills), stills
+        assert page.run("[...document.querySelectorAll('.replay-stage')].every((stage) => !stage.offsetParent)")
+        ground = page.run("getComputedStyle(document.body).backgroundColor")
+        assert ground in ("rgb(255, 255, 255)", "rgba(0, 0, 0, 0)")
+        assert page.run("getComputedStyle(document.querySelector('h1')).color") in ("rgb(0, 0, 0)", "rgb(29, 36, 48)")
 
 
 def test_axe_would_find_what_is_wrong(browser: Browser, tmp_path: Path) -> None:

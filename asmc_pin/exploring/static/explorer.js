@@ -29,6 +29,11 @@
       this.ask = later(() => this.askCollisions(), 120);
       this.showScene();
       this.update();
+      addEventListener("beforeprint", () => {
+        this.stage?.still(one("h1").textContent);
+        this.startMap();
+        this.map?.finish();
+      });
     }
 
     get mbar() { return this.own.map((value) => this.scale * value); }
@@ -97,7 +102,6 @@
         this.dragging = new AsmcDragging.ArmDragging(this.stage, { where: () => this.q, move: (k, value) => this.move(k, value) });
         one(".reset-view").addEventListener("click", () => this.stage.resetView());
         matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.stage.floor());
-        addEventListener("beforeprint", () => this.stage.still(document.querySelector("h1").textContent));
         const tick = () => { requestAnimationFrame(tick); this.stage.render(); };
         tick();
       } catch (error) {
