@@ -12,6 +12,7 @@ from asmc_pin.cli.app import MBAR, app
 from asmc_pin.cli.commands.condition_commands import EXIT
 from asmc_pin.cli.console import note, print_json, progress_bar, say
 from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
+from asmc_pin.cli.next_step import again, say_next
 from asmc_pin.cli.options import (
     ArmArgument,
     BoxOption,
@@ -28,6 +29,7 @@ from asmc_pin.disk.files import check_writable
 @app.command(rich_help_panel=MBAR)
 @takes_loading_options(without=("gravity",))
 def bounds(
+    context: typer.Context,
     arm: ArmArgument,
     scale: Annotated[
         str,
@@ -72,4 +74,13 @@ def bounds(
         print_json(report.to_json_dict())
     else:
         say(*str(report).split("\n"))
+        _say_next(context, report.verdict, budget)
     raise typer.Exit(EXIT[report.verdict])
+
+
+def _say_next(context: typer.Context, verdict: str, budget: float) -> None:
+    if verdict == "undecided":
+        longer = again(context, "bounds", "--budget", f"{2 * budget:g}", also=("scale", "gap", "seed", "certificate"))
+        say_next("twice the time", longer)
+    else:
+        say_next("the M̄ that suits M(q) best", again(context, "design"))
