@@ -64,7 +64,7 @@ def _ranks(findings: BenchFindings) -> Figure:
             ax.plot([mean.low, mean.high], [place, place], "-", color="k", lw=2.0 if own else 0.9)
             ax.plot([mean.rank], [place], "o", color="k", ms=6 if own else 4)
         ax.set_yticks(range(len(findings.laws)), [for_figure(findings.laws[k]) for k in findings.order])
-        ax.invert_yaxis()
+        ax.set_ylim(len(findings.laws) - 0.5, -0.5)
         ax.set_xlim(0.5, len(findings.laws) + 0.5)
         ax.set_xlabel("mean rank")
     return figure

@@ -50,14 +50,14 @@ def _distributions(findings: SweepFindings) -> Figure:
             for k, (label, colour) in enumerate(controller_colors(findings.labels).items()):
                 _shares(ax, by_label[label].ravel(), label, k, colour)
             ax.set_xscale("log")
-            _label_decades(ax.xaxis)
+            label_decades(ax.xaxis)
             ax.set_xlabel(for_figure(f"{METRICS[name].title} [{unit_of(findings, name)}]"))
             ax.set_ylim(0.0, 1.02)
         _finish(figure, axes, "Share of trials")
     return figure
 
 
-def _label_decades(axis: Axis) -> None:
+def label_decades(axis: Axis) -> None:
     """Labels on a logarithmic axis: powers of ten, or a few round figures where fewer than two of them are in view."""
     low, high = axis.get_view_interval()
     if np.floor(np.log10(high)) - np.ceil(np.log10(low)) < 1.0:
@@ -141,7 +141,7 @@ def _dependence(findings: SweepFindings) -> Figure:
                     ax.plot(x[~over], y[~over], label=for_figure(label), rasterized=True, **dot_look(k, colour))
                     ax.plot(x[over], np.full(int(over.sum()), top), "x", ms=3.0, color=colour, rasterized=True)
                 ax.set_yscale("log")
-                _label_decades(ax.yaxis)
+                label_decades(ax.yaxis)
                 if row == len(names) - 1:
                     ax.set_xlabel(for_figure(_axis_words(findings, path)))
                 if column == 0:

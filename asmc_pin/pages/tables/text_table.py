@@ -8,8 +8,6 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple
 
-import numpy as np
-
 from asmc_pin._typing import Array
 from asmc_pin.metrics import Best
 from asmc_pin.statistics.order_statistics import spread_of
@@ -99,17 +97,17 @@ def _figure(cell: str) -> float | None:
     return None if found is None else float(found[1])
 
 
-def told(values: Array, moved: Array, best: Best) -> Told:
+def told(values: Array, moved: Array, best: Best, *, counted: bool = False) -> Told:
     """One figure of every controller over its trials.
 
     Args:
         values: Shape (controllers, trials); +∞ for a failure, NaN where the figure is not defined.
         moved: By what part of itself half the step moves each median, shape (controllers,); NaN where not known.
         best: Which is the best.
+        counted: Whether it is counted rather than measured.
     """
     spread = spread_of(values.T)
-    finite = values[np.isfinite(values)]
-    shown = _count if np.array_equal(finite, np.rint(finite)) else number
+    shown = _count if counted else number
     texts, ranges = [], []
     for median, low, high, part in zip(spread.median, spread.low, spread.high, moved, strict=True):
         text = shown(float(median)) if math.isfinite(median) else NOTHING

@@ -25,9 +25,7 @@ HOW_COMPARED = (
     "the rows. Sure: the interval excludes 1, on at least 6 draws; it is about "
     "the gains that this budget found, and another may find others."
 )
-HOW_GAINS = (
-    "Searched by a factor on the file's value, within the range in brackets; a list as a whole unless [i] stands."
-)
+HOW_GAINS = "Searched by a factor on the file's value, within the range beside it; a list as a whole unless [i] stands."
 
 
 def result_table(findings: TuneFindings) -> Table:

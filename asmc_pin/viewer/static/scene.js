@@ -141,8 +141,12 @@ const AsmcScene = (() => {
       const aspect = this.host.clientWidth / Math.max(1, this.host.clientHeight);
       const fit = this.together ? count : Math.min(count, Math.max(1, Math.min(4, Math.round(aspect * 2.2))));
       const rows = Math.ceil(count / fit), columns = Math.ceil(count / rows);
-      const across = 1.04 * span(right) + 0.06 * this.reach, deep = 1.3 * span(toward) + 0.15 * this.reach;
+      this.host.style.setProperty("--columns", columns);  // as wide as its arm's place may a label be
       this.elevation = rows > 1 ? 0.5 : 0.3;
+      const { low, high } = this.data.stage, tall = high[2] - low[2] + 0.3 * this.reach;  // with the label below
+      // A row stands so far in front of the next that it hides nothing of it.
+      const across = 1.04 * span(right) + 0.06 * this.reach;
+      const deep = Math.max(1.3 * span(toward) + 0.15 * this.reach, tall / Math.tan(this.elevation));
       this.offsets = this.arms.map((_, k) => {
         const row = Math.floor(k / columns), inRow = Math.min(columns, count - row * columns);
         const u = (k % columns - (inRow - 1) / 2) * across, w = (row - (rows - 1) / 2) * deep;
@@ -163,7 +167,8 @@ const AsmcScene = (() => {
     // Grid, shadows and background, in the page's light or dark colours.
     floor(dark = matchMedia("(prefers-color-scheme: dark)").matches) {
       const { ground } = this.data.stage, { reach, key } = this;
-      const cell = [0.02, 0.05, 0.1, 0.25, 0.5, 1].find((c) => c > reach / 12) || 1;
+      const decade = 10 ** Math.floor(Math.log10(reach / 12));  // an arm may be in millimetres
+      const cell = decade * [1, 2, 5, 10].find((factor) => factor * decade > reach / 12);
       const far = Math.max(...this.offsets.map((o) => Math.hypot(...o)), 0) + 2.2 * reach;
       const cells = 2 * Math.ceil(far / cell);
       this.extent = 4 * far;  // beyond the floor's corners, wherever the view is shifted to

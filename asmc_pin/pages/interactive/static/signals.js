@@ -106,7 +106,7 @@
       this.plots = this.data.joints.map((name, j) => {
         const figure = element(made, "figure", { class: "signals-figure", "aria-label": this.spoken(j) });
         figure.hidden = !this.joints[j];
-        element(figure, "figcaption", {}, `${name}: ${this.signal.title} [${this.signal.units[j]}]`);
+        element(figure, "figcaption", {}, `${name}: ${this.signal.title} [${this.signal.units[j]}] over time [s]`);
         const body = element(figure, "div", { class: "signals-body" }), { plot, renderers } = this.plot(j);
         document_.add_root(plot);
         return { figure, body, plot, renderers, cursor: null, view: null };
