@@ -13,13 +13,13 @@ the field.
 
 from __future__ import annotations
 
-import difflib
 from typing import Any, Generic, TypeVar, overload
 
 import numpy as np
 
 from asmc_pin._typing import Array, BoolArray
 from asmc_pin.errors import ParameterError
+from asmc_pin.words.nearest_name import near_names, nearest
 
 Value = TypeVar("Value")
 Given = TypeVar("Given")
@@ -355,8 +355,7 @@ class Choice(Parameter[str, str]):
         """One of the options."""
         if value in self.options:
             return value
-        near = difflib.get_close_matches(str(value), self.options, n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
+        hint = f"; {nearest(str(value), self.options)}" if near_names(str(value), self.options) else ""
         raise ParameterError(self.name, f"got {value!r}; expected one of {', '.join(map(repr, self.options))}{hint}")
 
     @property

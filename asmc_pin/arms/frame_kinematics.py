@@ -10,9 +10,9 @@ from numba import njit
 
 from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.arms.arm import Arm
-from asmc_pin.arms.registry import nearest
 from asmc_pin.errors import ParameterError
 from asmc_pin.rigid_body.leading_axes import joint_rows
+from asmc_pin.words.nearest_name import nearest
 
 
 class FrameKinematics:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Collection
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
@@ -14,6 +13,7 @@ from asmc_pin.cli.console import note, progress_bar
 from asmc_pin.cli.options import assignments, per_joint
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Acceleration
+from asmc_pin.words.nearest_name import nearest
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -100,9 +100,7 @@ def settings_of(name: str | None, settings: list[str] | None, shared: Collection
             "in M̄, K_s and β; run it with 'asmc-pin compare'",
         )
     if name not in CONTROLLERS:
-        near = difflib.get_close_matches(name, CONTROLLERS, n=1)
-        said = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(CONTROLLERS)}"
-        raise ParameterError("--law", f"there is no law '{name}': {said}")
+        raise ParameterError("--law", f"there is no law '{name}': {nearest(name, CONTROLLERS)}")
     given = assignments(settings, "--set", "KEY=VALUE, such as cutoff_hz=50")
     known = parameters_of(CONTROLLERS[name])
     for key in given:

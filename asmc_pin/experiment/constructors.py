@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
 import functools
 import inspect
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
@@ -101,16 +100,6 @@ def _keywords(cls: type) -> tuple[tuple[inspect.Parameter, ...], bool]:
         takes_any = any(item.kind is item.VAR_KEYWORD for item in parameters)
     kinds = inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY
     return tuple(item for item in parameters if item.kind in kinds), takes_any
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """Advice on an unknown name: the nearest known one if there is one, else all of them."""
-    names = list(known)
-    lower = {item.lower(): item for item in reversed(names)}
-    found = difflib.get_close_matches(name.lower(), lower, n=1, cutoff=0.6)
-    if found:
-        return f"did you mean '{lower[found[0]]}'?"
-    return f"known are {', '.join(names)}" if names else "none is known here"
 
 
 def construct(cls: type, values: Mapping[str, Any], path: str) -> tuple[Any, list[Mistake]]:

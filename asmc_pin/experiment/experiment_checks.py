@@ -13,13 +13,14 @@ from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
 from asmc_pin.controllers import TdeLaw
 from asmc_pin.errors import ExperimentError, ParameterError
-from asmc_pin.experiment.constructors import Mistake, Signature, construct, nearest
+from asmc_pin.experiment.constructors import Mistake, Signature, construct
 from asmc_pin.experiment.law_lookup import LAWS, is_own, load_law
 from asmc_pin.experiment.named_robot import robot_problems
 from asmc_pin.experiment.plant_parts import TABLES
 from asmc_pin.experiment.toml_keys import ExperimentTables
 from asmc_pin.plant import Sensor
 from asmc_pin.references import REFERENCES, Reference
+from asmc_pin.words.nearest_name import nearest
 from asmc_pin.words.text import printable
 from asmc_pin.words.units import check_delay, check_motion
 
