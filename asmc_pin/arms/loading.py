@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -28,6 +28,7 @@ from asmc_pin.arms.arm_options import (
 from asmc_pin.arms.bodies.moving_bodies import MovingBody, moving_bodies, problems_of_bodies
 from asmc_pin.arms.bodies.repairing import repaired
 from asmc_pin.arms.joint_choice import longest_chain, named_locks
+from asmc_pin.arms.loading_remarks import remarks_on_loading
 from asmc_pin.arms.pinocchio_model import (
     bare_model,
     carry,
@@ -40,7 +41,7 @@ from asmc_pin.arms.pinocchio_model import (
 )
 from asmc_pin.arms.pinocchio_tree import tree_of
 from asmc_pin.arms.registry import ArmEntry, find, package_shares
-from asmc_pin.arms.sources.carried import Carried
+from asmc_pin.arms.sources.carried import CarriedUrdf
 from asmc_pin.arms.sources.reading_options import Packages, Reading, XacroArguments, read_packages, read_xacro
 from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.arms.urdf.estimated_inertia import EstimateInertia, read_estimate, with_estimated_inertia
@@ -48,7 +49,7 @@ from asmc_pin.arms.urdf.faults import refused
 from asmc_pin.arms.urdf.magnitudes import MOVING_JOINTS
 from asmc_pin.arms.urdf.mimicking import Followed, settle_mimics
 from asmc_pin.arms.urdf.urdf_document import read_document
-from asmc_pin.arms.urdf.urdf_reading import Joint, Robot, read_robot
+from asmc_pin.arms.urdf.urdf_reading import Robot, read_robot
 from asmc_pin.disk.reading import shown
 from asmc_pin.words.interface import chain_words, lock_words
 from asmc_pin.words.text import printable
@@ -135,7 +136,7 @@ def recipe_of(
 
 def load_carried(
     source: Path,
-    carried: Carried,
+    carried: CarriedUrdf,
     *,
     package: Packages | None = None,
     **options: Any,
@@ -292,7 +293,7 @@ def assemble(recipe: Recipe) -> Arm:
         locked=MappingProxyType(locked),
         mimics=MappingProxyType(dict(followed.mimics)),
         payload=payload,
-        warnings=(*_warnings(robot, driven, bodies, locked), *followed.notes, *vain),
+        warnings=(*remarks_on_loading(robot, driven, bodies, locked), *followed.notes, *vain),
         provisos=provisos,
         source=robot.path,
         sha256=robot.sha256,
@@ -342,44 +343,3 @@ def _frozen(values: Any, dtype: Any = np.float64) -> Any:
     array = np.array(values, dtype=dtype)
     array.setflags(write=False)
     return array
-
-
-def _warnings(
-    robot: Robot, joints: Sequence[Joint], bodies: Sequence[MovingBody], locked: Mapping[str, float]
-) -> list[str]:
-    found = [
-        ("position limits", [j.name for j in joints if np.isinf(j.upper - j.lower) and not j.continuous], "no limit"),
-        ("effort limits", [j.name for j in joints if np.isinf(j.effort)], "unlimited torque"),
-        ("velocity limits", [j.name for j in joints if np.isinf(j.velocity)], "no limit"),
-    ]
-    warnings = [
-        f"zero, missing or endless {what} for {', '.join(names)} in {robot.path.name}: taken as undeclared, {meaning}"
-        for what, names, meaning in found
-        if names
-    ]
-    for link in (link for body in bodies for link in body.links):
-        own = robot.inertials.get(link)
-        if own is not None and own.mass == 0.0 and np.any(own.written):
-            warnings.append(f"link '{link}' has a rotational inertia but no mass; both are taken as written")
-    sliding = [joint.name for joint in joints if joint.kind == "prismatic"]
-    if sliding:
-        warnings.append(f"prismatic: {', '.join(sliding)}; m, m/s, N and kg there, not rad, rad/s, N·m and kg·m²")
-    for joint in joints:
-        if joint.mimic is not None:
-            warnings.append(
-                f"joint '{joint.name}' mimics '{joint.mimic.joint}' in the URDF; here it has a motor of its own"
-            )
-        if joint.lower == joint.upper:
-            warnings.append(
-                f"joint '{joint.name}' has no range, both its limits are {joint.lower:g}; lock it, or mend them"
-            )
-    for name, value in locked.items():
-        joint = robot.joints[name]
-        if not joint.lower <= value <= joint.upper:
-            warnings.append(
-                f"joint '{name}' is locked at {value:g}, outside its limits {joint.lower:g} … {joint.upper:g}"
-            )
-        follows = joint.mimic is not None and joint.mimic.multiplier != 0.0
-        if joint.mimic is not None and follows and joint.mimic.joint not in (*locked, *robot.fixed):
-            warnings.append(f"joint '{name}' is locked although it mimics '{joint.mimic.joint}', which moves")
-    return warnings

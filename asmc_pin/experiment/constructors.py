@@ -10,21 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from asmc_pin.errors import ParameterError
-from asmc_pin.parameters import (
-    REQUIRED,
-    Choice,
-    OptionalScalar,
-    Parameter,
-    PerJoint,
-    Scalar,
-    ScalarOrWord,
-    Values,
-    parameters_of,
-)
-
-_NUMBER = {"type": "number"}
-_LIST = {"type": "array", "items": _NUMBER, "minItems": 1}
-_NESTED = {"type": "array", "items": _LIST, "minItems": 1}
+from asmc_pin.parameters import REQUIRED, Parameter, PerJoint, parameters_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +24,11 @@ class Mistake:
 
     key: str
     message: str
+
+    @classmethod
+    def of(cls, path: str, error: ParameterError) -> Mistake:
+        """What is wrong with a parameter that is given in the table at a path."""
+        return cls(f"{path}.{error.parameter}", error.said)
 
 
 class Signature:
@@ -73,21 +64,8 @@ class Signature:
         item = self.described.get(name)
         if item is None:
             return {}
-        schema: dict[str, Any]
-        if isinstance(item, Choice):
-            schema = {"enum": list(item.options)}
-        elif isinstance(item, (Scalar, OptionalScalar)):
-            schema = dict(_NUMBER)
-        elif isinstance(item, ScalarOrWord):
-            schema = {"anyOf": [_NUMBER, {"enum": list(item.words)}]}
-        elif isinstance(item, Values):
-            kinds = (_NUMBER, _LIST, _NESTED)
-            in_files = (0, 1) if isinstance(item, PerJoint) else item.axes  # a row per trial is for Python alone
-            schema = {"anyOf": [kinds[min(axes, 2)] for axes in in_files]}
-        else:
-            schema = {}
         unit = f", {item.unit}" if item.unit else ""
-        return {**schema, "description": f"{item.meaning}{unit}"}
+        return {**item.schema, "description": f"{item.meaning}{unit}"}
 
 
 @functools.cache  # sweeps ask again and again, and reading a constructor takes a tenth of a millisecond
@@ -119,7 +97,6 @@ def construct(cls: type, values: Mapping[str, Any], path: str) -> tuple[Any, lis
     try:
         return cls(**values), []
     except ParameterError as error:
-        key = f"{path}.{error.parameter}"
-        return None, [Mistake(key, str(error).removeprefix(f"{error.parameter}: "))]
+        return None, [Mistake.of(path, error)]
     except (Exception, SystemExit) as error:  # a law of the user's own may raise anything
         return None, [Mistake(path, f"{cls.__name__} refuses these parameters: {type(error).__name__}: {error}")]

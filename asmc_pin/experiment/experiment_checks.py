@@ -134,7 +134,7 @@ def _asked(key: str, check: Callable[..., None], *values: Any) -> list[Mistake]:
     try:
         check(*values)
     except ParameterError as error:
-        return [Mistake(key, str(error).removeprefix(f"{error.parameter}: "))]
+        return [Mistake(key, error.said)]
     return []
 
 
@@ -205,7 +205,7 @@ def _law(table: Mapping[str, Any], folder: Path, path: str) -> tuple[type | None
     try:
         return load_law(name, folder, f"{path}.law"), []
     except ExperimentError as error:
-        return None, [Mistake(error.key, str(error).removeprefix(f"{error.key}: "))]
+        return None, [Mistake(error.key, error.said)]
 
 
 def _unknown_parameters(table: Mapping[str, Any], signature: Signature, path: str) -> list[Mistake]:

@@ -14,10 +14,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from asmc_pin.disk.files import remove_leftovers, whole_folder
+from asmc_pin.disk.files import whole_folder
 from asmc_pin.disk.reading import shown, user_path
+from asmc_pin.disk.unfinished import remove_leftovers
 from asmc_pin.errors import AsmcPinError, ResultError
 from asmc_pin.results.result_files import LARGEST
+from asmc_pin.words.shown import Cells, Shown
+from asmc_pin.words.text import counted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -52,8 +55,8 @@ VARIABLES: Mapping[str, tuple[str, str, str]] = {
 }
 
 
-@dataclass(frozen=True)
-class Result:
+@dataclass(frozen=True, eq=False, repr=False)
+class Result(Shown):
     """A result read back.
 
     Attributes:
@@ -73,6 +76,23 @@ class Result:
     provenance: dict[str, Any]
     claims: pd.DataFrame | None = None
     monitors: xr.Dataset | None = None
+
+    def lines(self) -> list[str]:
+        """What was compared, and where it lies."""
+        controllers = counted(len(self.dataset.controller), "controller")
+        trials = counted(int(self.summary.trial.nunique()), "trial")
+        return [
+            f"{self.experiment.name}: {controllers} on {self.experiment.arm.words()}, {trials} of each",
+            f"folder: {self.path}",
+        ]
+
+    def table(self) -> Cells:
+        """The controllers: their laws, and in how many trials each diverged."""
+        rows = []
+        for label, mine in self.summary.groupby("controller", sort=False):
+            ends = mine.drop_duplicates("trial").status
+            rows.append([str(label), str(mine.law.iloc[0]), f"{(ends == 'diverged').sum()} of {len(ends)}"])
+        return ["controller", "law", "diverged"], rows
 
 
 def find_result(path: str | Path) -> Path:

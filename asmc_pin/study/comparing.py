@@ -194,7 +194,7 @@ def _check_tool(experiment: Experiment, arm: Arm) -> None:
         try:
             FrameKinematics(arm, experiment.metrics.tool)
         except ParameterError as error:
-            raise ExperimentError("metrics.tool", str(error).removeprefix("frame: ")) from None
+            raise ExperimentError("metrics.tool", error.said) from None
 
 
 def _part(tell: Progress, label: str, index: int, count: int) -> Callable[[int, int], None]:

@@ -17,7 +17,9 @@ from short_experiment import SHORT
 
 from asmc_pin.arms import load_arm
 from asmc_pin.cli.entry import main
-from asmc_pin.disk.files import check_writable, remove_leftovers, whole_folder, write_whole
+from asmc_pin.disk.file_access import check_writable
+from asmc_pin.disk.files import whole_folder, write_whole
+from asmc_pin.disk.unfinished import remove_leftovers
 from asmc_pin.errors import ResultError
 from asmc_pin.results.result_folder import check_target
 

@@ -13,7 +13,8 @@ from asmc_pin.cli.app import LISTS, STUDIES, app
 from asmc_pin.cli.console import print_json, rich_console, say
 from asmc_pin.cli.next_step import say_next
 from asmc_pin.cli.options import JsonOption
-from asmc_pin.disk.files import check_writable, write_whole
+from asmc_pin.disk.file_access import check_writable
+from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.words.nearest_name import nearest
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from asmc_pin.condition.search.samples import Domain
     from asmc_pin.rigid_body.tree import Tree
 
-Outcome = Literal["proven", "blocked", "slow", "stopped"]
+Attempted = Literal["proven", "blocked", "slow", "stopped"]
 
 _CORNERS = 8
 """Ends of an armature range that a level of Lemma 1 is proven at one by one; more are bounded together."""
@@ -224,7 +224,7 @@ class Prover:
                 found.append(Statement("level", 1.0, level, index, lower, width))
         return found
 
-    def _attempt(self, statements: list[Statement], label: str, patient: bool, key: str = "scale") -> Outcome:
+    def _attempt(self, statements: list[Statement], label: str, patient: bool, key: str = "scale") -> Attempted:
         """Prove all of some statements, or say why not; where one is not positive, search on from there."""
         proofs = []
         parts = [branches(self.corners[statement.case].tree) for statement in statements]

@@ -29,7 +29,7 @@ from asmc_pin.condition.inertia_bounds.extreme_eigenvalue import Extreme
 from asmc_pin.condition.inertia_bounds.outward import above, below
 from asmc_pin.condition.premises import ends_of, premises_of
 from asmc_pin.errors import ParameterError
-from asmc_pin.sampled.proof.gravity_proof import Pieces, pieces_of, stiffness_bound
+from asmc_pin.sampled.proof.gravity_proof import GravityForms, pieces_of, stiffness_bound
 from asmc_pin.sampled.proof.loop_proof import LoopProof
 from asmc_pin.sampled.sampled_loop import SampledLoop, law_name
 
@@ -148,7 +148,7 @@ def _under_gravity(
     provers: Sequence[EigenvalueProver],
     extremes: tuple[Extreme, Extreme],
     magnitude: float,
-) -> tuple[Pieces | None, str]:
+) -> tuple[GravityForms | None, str]:
     """Forms that prove it at rest under gravity, after a closer proof of the eigenvalues' range; or why none do."""
     stiffness = max(
         stiffness_bound(domain.arm.tree, domain.box.lower, domain.box.upper, loop.mbar, magnitude)
