@@ -18,7 +18,8 @@ from asmc_pin.arms.sources.carried import CarriedUrdf
 from asmc_pin.baselines import knows_model
 from asmc_pin.controllers import Controller, Sample, Setpoint
 from asmc_pin.errors import ExperimentError, ParameterError
-from asmc_pin.experiment import experiment_checks
+from asmc_pin.experiment.checks import controller_checks, experiment_checks
+from asmc_pin.experiment.checks.tune_checks import tune_problems
 from asmc_pin.experiment.constructors import Mistake
 from asmc_pin.experiment.law_lookup import is_own
 from asmc_pin.experiment.measured_values import with_values
@@ -26,7 +27,6 @@ from asmc_pin.experiment.named_robot import tighter_rate, trip_limits
 from asmc_pin.experiment.plant_parts import LISTS, TABLES, plant_parts
 from asmc_pin.experiment.toml_keys import ExperimentTables
 from asmc_pin.experiment.toml_text import parse_toml, write_toml
-from asmc_pin.experiment.tune_checks import tune_problems
 from asmc_pin.experiment.variation.axes import Variation
 from asmc_pin.experiment.variation.sweep_table import sweep_problems, variation_of
 from asmc_pin.metrics import MetricSettings
@@ -100,7 +100,7 @@ class Experiment(Shown, ExperimentTables):
         problems += experiment_checks.reference_problems(content.get("reference"), folder)[1]
         problems += plant_parts(content.get("plant"))[1]
         problems += experiment_checks.delay_problems(content)
-        problems += experiment_checks.controller_problems(content, folder, import_laws)[1]
+        problems += controller_checks.controller_problems(content, folder, import_laws)[1]
         problems += tune_problems(content, folder, import_laws)
         return tables, problems
 
@@ -232,8 +232,8 @@ class Experiment(Shown, ExperimentTables):
             told = "its law is code of somebody's own, and this experiment was read without importing any"
             experiment_checks.fail([Mistake(f"controllers.{label}.law", told) for label in own], self._origin)
         arm = self.build_arm()
-        experiment_checks.fail(experiment_checks.controller_size_problems(self, self._folder, arm), self._origin)
-        made, problems = experiment_checks.controller_problems(self._data, self._folder)
+        experiment_checks.fail(controller_checks.controller_size_problems(self, self._folder, arm), self._origin)
+        made, problems = controller_checks.controller_problems(self._data, self._folder)
         at_rest = np.zeros((1, arm.nv))
         for label, law in made.items() if not problems else ():
             try:

@@ -24,7 +24,7 @@ from asmc_pin.reproduction.reading_search import factor, nearest_readings, outco
 from asmc_pin.reproduction.readings import AXES, DEG, ERRORS, ReadingOutcome, readings
 from asmc_pin.reproduction.reproduction_page import page, summary_lines
 from asmc_pin.reproduction.tuned_rows import COMMAND, SUFFIX, tune_rows, write_tuned
-from asmc_pin.results import result_folder
+from asmc_pin.results import result_writing
 from asmc_pin.results.result_folder import load_result
 from asmc_pin.study.comparing import Progress, compare
 from asmc_pin.study.comparison import Comparison
@@ -93,7 +93,7 @@ def reproduce(
     wanted = known(names)
     folder = Path(out)
     for name in wanted:
-        result_folder.check_target(folder / name, force)
+        result_writing.check_target(folder / name, force)
     tell = progress or (lambda _what, _share: None)
     sets = [key for key, members in SETS.items() if search and set(members) <= set(wanted)]
     steps = len(wanted) * (2 if tune else 1) + len(sets)

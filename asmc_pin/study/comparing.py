@@ -27,7 +27,7 @@ from asmc_pin.pages.comparison_figures import draw_figures
 from asmc_pin.pages.latex_table import latex_table
 from asmc_pin.pages.theorem_tables import theorems_latex
 from asmc_pin.plant import Plant, moving_arms
-from asmc_pin.results import result_folder
+from asmc_pin.results import result_folder, result_writing
 from asmc_pin.results.extra_signals import add_signals
 from asmc_pin.results.provenance import provenance
 from asmc_pin.study.comparison import Comparison, summary_rows
@@ -87,7 +87,7 @@ def compare(
         ArmError: the URDF cannot be used.
     """
     folder = Path(out) if out is not None else Path("results") / experiment.name
-    result_folder.check_target(folder, force)
+    result_writing.check_target(folder, force)
     check_size(experiment)
     tell = progress or (lambda _what, _share: None)
     say = warn or (lambda _line: None)
@@ -122,7 +122,7 @@ def compare(
         arm=arm,
         out=folder,
         rows=rows,
-        dataset=result_folder.trajectories(
+        dataset=result_writing.trajectories(
             arm,
             {shown[label]: run for label, run in runs.items()},
             {shown[label]: experiment.controllers[label]["law"] for label in laws},
@@ -139,7 +139,7 @@ def compare(
     add_tool_error(comparison.dataset, list(comparison.tool.values()))
     # For who reads the result back: the report, and a person with the trajectories alone.
     comparison.dataset.attrs |= {"warnings": "\n".join(warnings), "notes": "\n".join(comparison.notes)}
-    with result_folder.whole_or_not_at_all(folder, force) as made:
+    with result_writing.whole_or_not_at_all(folder, force) as made:
         lost = _write(comparison, plant, made, started, {label: item.seconds for label, item in found.items()}, tell)
     for line in lost:
         say(line)
@@ -241,8 +241,8 @@ def _write(
     (folder / result_folder.EXPERIMENT).write_text(experiment.to_toml(), encoding="utf-8")
     # What a user ought to be told stays with the figures, so that a report made later says it too.
     told = {"notes": "\n".join(comparison.notes), "warnings": "\n".join(comparison.warnings)}
-    result_folder.write_trajectories(comparison.dataset.assign_attrs(told), folder / result_folder.TRAJECTORIES)
-    result_folder.write_summary(rows, folder / result_folder.SUMMARY)
+    result_writing.write_trajectories(comparison.dataset.assign_attrs(told), folder / result_folder.TRAJECTORIES)
+    result_writing.write_summary(rows, folder / result_folder.SUMMARY)
     (folder / "summary.md").write_text(summary_markdown(comparison), encoding="utf-8")
     latex = "\n".join([latex_table(rows), theorems_latex(comparison.theorems.claims, comparison.about.title)])
     (folder / "summary.tex").write_text(latex, encoding="utf-8")

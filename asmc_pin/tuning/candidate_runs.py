@@ -7,7 +7,7 @@ from typing import Any
 
 from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment import Experiment
-from asmc_pin.experiment.experiment_checks import controller_problems
+from asmc_pin.experiment.checks.controller_checks import controller_problems
 from asmc_pin.experiment.variation.axes import Variation
 from asmc_pin.sweeping.lockstep import TrialTables
 from asmc_pin.sweeping.sweep_plan import sweep_plan

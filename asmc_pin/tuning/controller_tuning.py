@@ -14,7 +14,7 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.baselines import shown_label
 from asmc_pin.experiment import Experiment
-from asmc_pin.experiment.experiment_checks import controller_problems
+from asmc_pin.experiment.checks.controller_checks import controller_problems
 from asmc_pin.experiment.law_lookup import load_law
 from asmc_pin.pages.tunings.tune_findings import TunedController
 from asmc_pin.statistics.paired_ratio import ratio_interval

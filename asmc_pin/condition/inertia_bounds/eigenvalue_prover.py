@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.condition.certificate.proof_progress import ProofProgress
 from asmc_pin.condition.certificate.statement import Statement
-from asmc_pin.condition.certificate.strategy import Attempted, ProofProgress, Prover
+from asmc_pin.condition.certificate.strategy import Attempted, Prover
 from asmc_pin.condition.certificate.worst_known import STRICT
 from asmc_pin.condition.inertia_bounds.extreme_eigenvalue import Extreme
 

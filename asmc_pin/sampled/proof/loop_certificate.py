@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from asmc_pin.clock import Clock
+from asmc_pin.condition.certificate.proof_progress import ProofProgress
 from asmc_pin.condition.certificate.stopping import GAP_MET, INTERRUPTED, OUT_OF_TIME
-from asmc_pin.condition.certificate.strategy import ProofProgress
 from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.certificate.writing import seen
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases
