@@ -44,8 +44,9 @@ def tool_error(arm: Arm, run: Rollout, tool: str) -> ToolError:
         tool: Name of a link, or of another frame of the URDF.
 
     Raises:
-        ParameterError: there is no such frame.
+        ParameterError: there is no such frame, or not every tick of the run is logged.
     """
+    run.need_every_tick("the tool's error is")
     kinematics = FrameKinematics(arm, tool, "tool")
     wanted, found = kinematics.poses(run.q_ref), kinematics.poses(run.q)
     position = np.linalg.norm(found[..., :3, 3] - wanted[..., :3, 3], axis=-1)

@@ -48,8 +48,9 @@ def tool_path(arm: Arm, run: Rollout, tool: str) -> ToolPath:
         tool: Name of a link, or of another frame of the URDF.
 
     Raises:
-        ParameterError: there is no such frame.
+        ParameterError: there is no such frame, or not every tick of the run is logged.
     """
+    run.need_every_tick("the tool's path is")
     kinematics = FrameKinematics(arm, tool, "tool")
     passes = len(run.status)
     if any(status != "ok" for status in run.status):

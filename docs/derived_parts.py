@@ -80,7 +80,7 @@ def default(value: object) -> str:
     if value is None:
         return ""
     if isinstance(value, bool):
-        return f"`{value}`".lower()
+        return f"`{str(value).lower()}`"  # as TOML has it
     if isinstance(value, (int, float)):
         return f"{value:g}"
     return f'`"{value}"`' if isinstance(value, str) else f"`{list(value)}`" if value else ""  # type: ignore[call-overload]

@@ -42,7 +42,8 @@ class Result(Shown):
     Attributes:
         path: Its folder.
         experiment: The experiment as it was run.
-        dataset: Trajectories; dimensions controller, trial, time, joint.
+        dataset: Trajectories; dimensions controller, trial, time, joint. Of the control ticks those are in it that the
+            experiment's `log_every` divides.
         summary: One row for each controller, trial and joint; metrics in SI units.
         provenance: Versions, hashes, seed, times.
         claims: The paper's claims on each controller and trial, see `asmc_pin.monitors.claim_rows`; None without.

@@ -10,8 +10,9 @@ import math
 import numpy as np
 import pytest
 from paths import DOCS
+from recorded_runs import recorded_run
 
-from asmc_pin import Rollout, load_experiment, rollout
+from asmc_pin import load_experiment, rollout
 from asmc_pin.disk.resources import shipped
 from asmc_pin.errors import ExperimentError, ResultError
 from asmc_pin.metrics import METRICS, evaluate
@@ -24,7 +25,7 @@ from asmc_pin.reproduction.readings import AXES, ReadingOutcome, as_read, readin
 from asmc_pin.reproduction.reproducing import READINGS, SETS, reading_of, reproduce
 from asmc_pin.reproduction.reproduction_page import medians, page
 from asmc_pin.reproduction.tuned_rows import SUFFIX, untuned
-from asmc_pin.results.result_writing import VARIABLES, trajectories
+from asmc_pin.results.result_writing import trajectories
 from asmc_pin.study.ensemble import starts
 from asmc_pin.study.tuning import tune_own_gains
 
@@ -303,25 +304,6 @@ def recorded(experiment):
     }
     laws = {label: table["law"] for label, table in experiment.controllers.items()}
     return runs, trajectories(experiment.build_arm(), runs, laws)
-
-
-def recorded_run(dataset, label):
-    """One run out of a comparison's trajectories: the inverse of `trajectories`."""
-    run = dataset.sel(controller=label).isel(trial=[0])
-    time = dataset.time.to_numpy()
-    end = run.end_time.to_numpy()
-    shared = ("q_ref", "v_ref", "a_ref")
-    status = str(run.status.item()) if end[0] <= time[-1] else "ok"
-    return Rollout(
-        time=time,
-        **{name: run[name].to_numpy() for name in VARIABLES if name not in shared},
-        **{name: dataset[name].to_numpy() for name in shared},
-        status=(status,),
-        end_time=np.minimum(end, time[-1]),
-        joint_names=tuple(map(str, dataset.joint.to_numpy())),
-        period=float(dataset.attrs["period"]),
-        limit_violations=(),
-    )
 
 
 def test_a_run_read_back_from_its_trajectories_has_the_same_metrics():
