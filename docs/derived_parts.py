@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Iterable
 from functools import cache
 
-from import_graph import PACKAGE, circles, docstring, folders, layers, reduced, room_graph
+from import_graph import PACKAGE, docstring, folders, layers, room_graph
 from law_oracles import ORACLES
 
 from asmc_pin.arms import ARMS
@@ -324,23 +324,6 @@ part("figures")(lambda: table(["figure", "shows"], ([code(n), prose(d.caption)] 
 
 
 # The rooms ------------------------------------------------------------------------------------------------------------
-
-
-def _label(room: str) -> str:
-    folder = PACKAGE / room
-    count = sum(1 for path in folder.rglob("*.py") if path.name != "__init__.py")
-    return f"{room}<br>{count} file{'s' * (count != 1)}" if folder.is_dir() else f"{room}.py"
-
-
-@part("rooms-picture")
-def rooms_picture() -> str:
-    """The rooms and their imports as a graph that Mermaid draws."""
-    graph = room_graph()
-    assert not circles(graph), circles(graph)
-    lines = ["```mermaid", "flowchart TB"]
-    lines += [f'  {room}["{_label(room)}"]' for row in reversed(layers(graph)) for room in row]
-    lines += [f"  {room} --> {other}" for room, others in sorted(reduced(graph).items()) for other in sorted(others)]
-    return "\n".join([*lines, "```"])
 
 
 @part("rooms")

@@ -22,14 +22,15 @@ INDEX = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <meta name="color-scheme" content="light dark"><title>asmc_pin: gallery</title>
 <style>
-body {{ margin: 32px auto; max-width: 1100px; padding: 0 20px; font: 16px/1.5 system-ui, sans-serif; }}
+body {{ margin: 32px auto; max-width: 1100px; padding: 0 20px; font: 16px/1.5 system-ui, sans-serif;
+  background: Canvas; color: CanvasText; }}
 ul {{ display: grid; grid-template-columns: repeat(auto-fill, minmax(300px, 1fr)); gap: 18px; padding: 0; }}
 li {{ list-style: none; }}
 img {{ display: block; width: 100%; border-radius: 8px; margin-bottom: 6px; }}
 </style>
-<h1>Gallery</h1><ul>
+<main><h1>Gallery</h1><ul>
 {items}
-</ul></html>
+</ul></main></html>
 """
 
 

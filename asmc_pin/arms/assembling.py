@@ -38,7 +38,7 @@ from asmc_pin.arms.registry import ArmEntry
 from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.arms.urdf.faults import refused
 from asmc_pin.arms.urdf.magnitudes import MOVING_JOINTS
-from asmc_pin.arms.urdf.mimicking import Followed, settle_mimics
+from asmc_pin.arms.urdf.mimicking import SettledMimics, settle_mimics
 from asmc_pin.arms.urdf.urdf_reading import Robot
 from asmc_pin.disk.reading import shown
 from asmc_pin.words.interface import chain_words, lock_words
@@ -86,7 +86,7 @@ class Unjudged:
     model: pin.Model
     bodies: list[MovingBody]
     locked: dict[str, float]
-    followed: Followed
+    followed: SettledMimics
 
 
 def put_together(recipe: Recipe) -> Unjudged:

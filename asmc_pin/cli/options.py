@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
@@ -17,6 +17,9 @@ from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Condition
 from asmc_pin.words.mistyped import no_number, seconds
 from asmc_pin.words.text import as_number
+
+if TYPE_CHECKING:
+    from asmc_pin.arms import Arm
 
 ArmArgument: TypeAlias = Annotated[
     str, typer.Argument(metavar="ARM", help="A name (see 'asmc-pin arms'), or the path of a URDF or xacro file.")
@@ -101,6 +104,18 @@ def per_joint(text: str, option: str) -> float | list[float]:
     """One number for all joints, or comma-separated ones."""
     values = numbers(text, option)
     return values[0] if len(values) == 1 else values
+
+
+def check_count(values: float | list[float] | None, option: str, arm: Arm) -> None:
+    """Say how many values are missing, or too many, with the names of the joints that they are for.
+
+    Raises:
+        ParameterError: Neither one value for all nor one for each joint.
+    """
+    if isinstance(values, list) and len(values) != arm.nv:
+        from asmc_pin.experiment.checks.experiment_checks import joints_of
+
+        raise ParameterError(option, f"{len(values)} values given, but {joints_of(arm)}")
 
 
 def value_or_range(text: str, option: str) -> float | Range:

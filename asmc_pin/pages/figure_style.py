@@ -78,14 +78,22 @@ def line_look(controller: int, color: str, points: int = 0) -> dict[str, Any]:
         Keywords of `matplotlib.axes.Axes.plot`.
     """
     step = max(1, points // 7)
+    # Of nine and more the markers come again, with other dashes.
+    dashes = (controller + controller // len(_MARKERS)) % len(_DASHES)
     return {
         "color": color,
-        "linestyle": _DASHES[controller % len(_DASHES)],
+        "linestyle": _DASHES[dashes],
         "marker": _MARKERS[controller % len(_MARKERS)],
         "markersize": 2.4 if points else 3.5,
         "markeredgewidth": 0.0,
         "markevery": (controller % 5 * step // 5, step) if points else None,  # those of two lines lie apart
     }
+
+
+def dot_look(controller: int, color: str) -> dict[str, Any]:
+    """The same of a controller's dots."""
+    marker = _MARKERS[controller % len(_MARKERS)]
+    return {"color": color, "linestyle": "none", "marker": marker, "markersize": 2.6, "markeredgewidth": 0.0}
 
 
 @contextmanager

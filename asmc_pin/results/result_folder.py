@@ -85,11 +85,32 @@ def find_result(path: str | Path) -> Path:
     except OSError as error:
         raise ResultError(folder, f"{shown(folder)}: cannot be read ({error.strerror})") from None
     if not folder.is_dir():
-        raise ResultError(folder, f"there is no result {shown(folder)}; asmc-pin compare makes one")
+        raise ResultError(folder, f"there is no result {shown(folder)}; {_maker_of(folder)}")
     absent = [name for name in (EXPERIMENT, TRAJECTORIES, SUMMARY, PROVENANCE) if not (folder / name).exists()]
     if absent:
-        raise ResultError(folder, f"{shown(folder)} is not a result of asmc-pin compare: it has no {', '.join(absent)}")
+        said = f"{shown(folder)} is not a result of asmc-pin compare: it has no {', '.join(absent)}"
+        raise ResultError(folder, said + _instead_of(folder))
     return folder
+
+
+def _maker_of(folder: Path) -> str:
+    """How a result that is not there comes to be; the name of a shipped experiment is what a beginner gives."""
+    from asmc_pin.experiment.finding import experiment_names
+
+    if str(folder) in experiment_names():
+        return f"make it with: asmc-pin compare {folder}"
+    return "asmc-pin compare makes one"
+
+
+def _instead_of(folder: Path) -> str:
+    """What to do with the folder of a sweep or of a tuning, which have no trajectories."""
+    if (folder / "rows.parquet").exists() or (folder / "rows").is_dir():
+        return (
+            "; it is a sweep: its report.html has the figures, 'asmc-pin sweep … --replay TRIAL' the motion of a trial"
+        )
+    if (folder / "tuned.toml").exists():
+        return f"; it is a tuning: run its gains with 'asmc-pin compare {shown(folder / 'tuned.toml')}'"
+    return ""
 
 
 def load_result(path: str | Path, *, largest: float = LARGEST) -> Result:

@@ -6,8 +6,10 @@ import signal
 import subprocess
 import time
 
+import numpy as np
 import pyarrow.parquet as pq
 import pytest
+from next_command import next_words
 from processes import command, environment, group_lives, run
 from sweep_cases import contents, tiny
 
@@ -43,6 +45,11 @@ def test_started_again_it_computes_nothing_and_prints_for_a_person(done):
     lines = again.stdout.splitlines()
     assert lines[0] == "tiny: PPC, BSMC in 6 draws at 2 points"
     assert "report: results/tiny-sweep/report.html" in lines
+    *command_again, trial = next_words(again.stdout)
+    assert command_again == ["sweep", "tiny.toml", "--trials", "6", "--replay"]
+    found = pq.read_table(folder / "results" / "tiny-sweep" / "rows.parquet").to_pandas()
+    over_joints = found.assign(log=np.log(found.rms_error)).groupby(["trial", "controller"]).log.mean()
+    assert int(trial) == over_joints.idxmax()[0]
 
 
 @pytest.mark.long

@@ -10,6 +10,7 @@ import typer
 from asmc_pin.cli.app import STUDIES, app
 from asmc_pin.cli.console import announce_compiling, print_json, progress_bar, say
 from asmc_pin.cli.interrupt import stopping_short
+from asmc_pin.cli.next_step import say_next
 from asmc_pin.cli.options import JsonOption
 
 
@@ -66,3 +67,4 @@ def bench(
         print_json(found.to_json_dict())
     else:
         say(*str(found).split("\n"))
+        say_next("gains for an arm and a motion of your own", "asmc-pin new mine.toml --from ur5_tuning")

@@ -10,6 +10,7 @@ from asmc_pin.cli.app import MBAR, app
 from asmc_pin.cli.asked_proofs import inertia_proof
 from asmc_pin.cli.condition_output import EXIT
 from asmc_pin.cli.console import print_json, say
+from asmc_pin.cli.next_step import again, say_next
 from asmc_pin.cli.opening_arms import open_domain
 from asmc_pin.cli.option_groups.grouping import takes_option_groups
 from asmc_pin.cli.option_groups.loading_options import NOTHING, LoadingOptions
@@ -29,6 +30,7 @@ from asmc_pin.cli.options import (
 @app.command(rich_help_panel=MBAR)
 @takes_option_groups(without=("gravity",))
 def bounds(
+    context: typer.Context,
     arm: ArmArgument,
     scale: Annotated[
         str,
@@ -55,4 +57,13 @@ def bounds(
         print_json(report.to_json_dict())
     else:
         say(*str(report).split("\n"))
+        _say_next(context, report.verdict, budget)
     raise typer.Exit(EXIT[report.verdict])
+
+
+def _say_next(context: typer.Context, verdict: str, budget: float) -> None:
+    if verdict == "undecided":
+        longer = again(context, "bounds", "--budget", f"{2 * budget:g}", also=("scale", "gap", "seed", "certificate"))
+        say_next("twice the time", longer)
+    else:
+        say_next("the M̄ that suits M(q) best", again(context, "design"))

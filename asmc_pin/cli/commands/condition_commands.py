@@ -26,6 +26,7 @@ from asmc_pin.cli.options import (
     JsonOption,
     MbarOption,
     ReportOption,
+    check_count,
     parse_box,
     per_joint,
     report_path,
@@ -78,6 +79,7 @@ def verify(
     values, ranges = per_joint(mbar, "--mbar"), parse_box(box)
     _check_along(along)
     loaded, domain = open_domain(arm, loading)
+    check_count(values, "--mbar", loaded)
     seen = along is None and not domain
     from asmc_pin.condition import verify as run
 

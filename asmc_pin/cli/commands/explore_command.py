@@ -18,6 +18,7 @@ from asmc_pin.cli.options import (
     CertifyOption,
     ConditionOption,
     MbarOption,
+    check_count,
     check_output,
     parse_box,
     per_joint,
@@ -62,6 +63,7 @@ def explore(
     check_output(html)
     values, ranges = per_joint(mbar, "--mbar"), parse_box(box)
     loaded = open_single(arm, loading)
+    check_count(values, "--mbar", loaded)
     from asmc_pin.exploring.exploring_verb import checked_gains, look
 
     gains = checked_gains(ks, beta, period)

@@ -25,6 +25,7 @@ from asmc_pin.cli.options import (
     CertifyOption,
     JsonOption,
     MbarOption,
+    check_count,
     number,
     parse_box,
     per_joint,
@@ -73,6 +74,8 @@ def stability(
     values, slopes, ranges = per_joint(mbar, "--mbar"), per_joint(ks, "--ks"), parse_box(box)
     rate, length = number(beta, "--beta", "what may differ from joint to joint is --ks"), number(period, "--period")
     loaded, domain = open_domain(arm, loading)
+    check_count(values, "--mbar", loaded)
+    check_count(slopes, "--ks", loaded)
     sensor = timing.sensor(loaded.nv)
     # A law cannot see that the drives make v by difference; an experiment says so too.
     paired = timing.pairing

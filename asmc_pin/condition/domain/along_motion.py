@@ -89,7 +89,7 @@ def motion_of(along: Any, nv: int, *, period: float | None = None, duration: flo
         times = np.arange(round(duration / (period or PERIOD)) + 1) * (period or PERIOD)
         motion = FollowedMotion(times, along.evaluate(times).q, f"the reference of '{name}'" if name else "a reference")
     if motion.q.ndim != 2 or motion.q.shape[1] != nv:
-        raise ParameterError("along", f"it moves {motion.q.shape[-1]} joints, and the arm has {nv}")
+        raise ParameterError("along", f"{motion.name} moves {motion.q.shape[-1]} joints, and the arm has {nv}")
     return motion
 
 

@@ -29,6 +29,11 @@
       this.ask = later(() => this.askCollisions(), 120);
       this.showScene();
       this.update();
+      addEventListener("beforeprint", () => {
+        this.stage?.still(one("h1").textContent);
+        this.startMap();
+        this.map?.finish();
+      });
     }
 
     get mbar() { return this.own.map((value) => this.scale * value); }

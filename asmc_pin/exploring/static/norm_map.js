@@ -40,24 +40,24 @@ const AsmcMap = (() => {
       const [x, y] = plane, point = Array.from(q), norms = new Float64Array(SIDE * SIDE), run = ++this.run;
       let k = 0;
       this.busy = true;
-      const go = () => {
-        if (run !== this.run) return;
-        for (const until = performance.now() + 12; k < norms.length && performance.now() < until; k++) {
+      const go = (until = performance.now() + 12) => {
+        if (run !== this.run || k >= norms.length) return;
+        for (; k < norms.length && performance.now() < until; k++) {
           point[x] = this.place(x, k % SIDE);
           point[y] = this.place(y, Math.floor(k / SIDE));
           norms[k] = this.normAt(point, mbar);
         }
         if (k < norms.length) {
-          setTimeout(go);
+          setTimeout(() => go());
           return;
         }
         Object.assign(this, { plane, norms, cells, busy: false });
         this.draw();
         this.told();
       };
+      this.finish = () => go(Infinity);  // paper does not wait for frames
       go();
     }
-
     // Least and largest norm, where the largest is, and the share of the map that is 1 or more.
     extremes() {
       const { norms, plane } = this;

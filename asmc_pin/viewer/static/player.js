@@ -177,13 +177,8 @@
       return true;
     }
 
-    // What the scene shows now, as a picture: paper has no canvas.
     still() {
-      const { host } = this.stage;
-      if (!host.clientWidth || !host.clientHeight) return;  // hidden: the former still stays
-      const image = host.parentElement.querySelector(".replay-still") ?? element(host.parentElement, "img", { class: "replay-still" });
-      image.src = this.stage.photograph().toDataURL("image/jpeg", 0.9);
-      image.alt = `The scene at ${this.time.toFixed(2)} s: ${this.stage.labels.map(({ label }) => label.innerText.replace("\n", " ")).join("; ")}`;
+      this.stage.still(`The scene at ${this.time.toFixed(2)} s`);
     }
 
     buildControls() {
@@ -280,4 +275,8 @@
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
     for (const replay of window.replays) replay.stage.floor();
   });
+  // After whatever else the page does for paper, such as opening what is folded.
+  document.addEventListener("DOMContentLoaded", () => addEventListener("beforeprint", () => {
+    for (const replay of window.replays) replay.still();
+  }));
 })();

@@ -153,9 +153,8 @@ const AsmcScene = (() => {
     }
 
     // Grid, shadows and background, in the page's light or dark colours.
-    floor() {
+    floor(dark = matchMedia("(prefers-color-scheme: dark)").matches) {
       const { ground } = this.data.stage, { reach, key } = this;
-      const dark = matchMedia("(prefers-color-scheme: dark)").matches;
       const cell = [0.02, 0.05, 0.1, 0.25, 0.5, 1].find((c) => c > reach / 12) || 1;
       const far = Math.max(...this.offsets.map((o) => Math.hypot(...o)), 0) + 2.2 * reach;
       const cells = 2 * Math.ceil(far / cell);
@@ -286,14 +285,24 @@ const AsmcScene = (() => {
       viewer.set_dirty();
     }
 
+    // What the scene shows now, as a picture in the page: paper has no canvas.
+    still(title) {
+      const { host } = this;
+      if (!host.clientWidth || !host.clientHeight) return;  // hidden: the former still stays
+      const image = host.parentElement.querySelector(".replay-still") ?? element(host.parentElement, "img", { class: "replay-still" });
+      image.src = this.photograph().toDataURL("image/jpeg", 0.9);
+      image.alt = `${title}: ${this.labels.map(({ label }) => label.innerText.replace("\n", " ")).join("; ")}`;
+    }
+
     // The picture with its labels, as paper needs it: a canvas of its own.
     photograph() {
       const { viewer, canvas, host } = this, made = document.createElement("canvas"), pen = made.getContext("2d");
-      viewer.set_dirty();
+      this.floor(false);
       this.render();
       viewer.render();  // in the same turn, or the browser may have emptied the canvas
       Object.assign(made, { width: canvas.width, height: canvas.height });
       pen.drawImage(canvas, 0, 0);
+      this.floor();
       pen.scale(canvas.width / host.clientWidth, canvas.height / host.clientHeight);
       const { left, top } = host.getBoundingClientRect();
       for (const box of host.querySelectorAll(".replay-label, .replay-badge")) {
