@@ -14,8 +14,9 @@ from asmc_pin.errors import ParameterError
 from asmc_pin.plant import Plant
 from asmc_pin.plant.compiled_run.coverage import not_compiled
 from asmc_pin.plant.following import follow_by_pinocchio, follow_compiled
+from asmc_pin.plant.joint_reach import outside_limits
 from asmc_pin.plant.per_trial import per_trial
-from asmc_pin.plant.run_record import LimitViolation, Rollout, outside_limits
+from asmc_pin.plant.run_record import LimitViolation, Rollout
 from asmc_pin.references.reference import Reference
 from asmc_pin.words.units import check_delay, check_period
 
@@ -34,6 +35,7 @@ def rollout(
     v0: ArrayLike | None = None,
     progress: Callable[[int, int], None] | None = None,
     trials: Sequence[int] | None = None,
+    log_every: int = 1,
 ) -> Rollout:
     """Run a law on a plant along a reference.
 
@@ -55,9 +57,11 @@ def rollout(
         progress: Called now and then with the ticks done and their total.
         trials: Numbers of the trials in a larger study, which with the plant's seed determine their noise and scatter;
             0, 1, … when omitted.
+        log_every: One tick in how many is logged, to save memory. Nothing else changes: all ticks are run, and whether
+            a trial diverged or left its limits is judged at each. Metrics and monitors refuse a run that lacks ticks.
 
     Returns:
-        The run, with round(duration/period) + 1 ticks.
+        The run, with round(duration/period) + 1 ticks, of which those are in it whose number `log_every` divides.
 
     Raises:
         ParameterError: a parameter has a wrong size, sign or value, or the law returns a torque of another shape than
@@ -71,6 +75,7 @@ def rollout(
     ticks = _ticks(duration, period)
     if isinstance(batch, bool) or int(batch) != batch or batch < 1:
         raise ParameterError("batch", f"{batch!r} given; expected a whole number of trials, at least 1")
+    log_every = _log_rate(log_every, ticks)
     time = np.multiply(np.arange(ticks), period, dtype=np.float64)
     wanted = _evaluate(reference, time, plant.nv)
     q = _initial("q0", wanted.q[0] if q0 is None else q0, batch, plant.nv)
@@ -82,24 +87,39 @@ def rollout(
     compiled = plant.engine == "compiled" and not_compiled(plant) is None
     follow = follow_compiled if compiled else follow_by_pinocchio
     with np.errstate(all="ignore"):
-        histories, stopped_at = follow(controller, motion, wanted, progress)
+        followed = follow(controller, motion, wanted, log_every, progress)
 
-    end_time = time[np.minimum(stopped_at, ticks - 1)]
-    for array in (time, wanted.q, wanted.v, wanted.a, end_time, held):
+    end_time = time[np.minimum(followed.stopped_at, ticks - 1)]
+    logged = [time, wanted.q, wanted.v, wanted.a]
+    if log_every > 1:
+        logged = [array[::log_every].copy() for array in logged]
+    for array in (*logged, end_time, held):
         array.setflags(write=False)
     return Rollout(
-        time=time,
-        **histories,
+        time=logged[0],
+        **followed.histories,
         held_torque=held,
-        q_ref=wanted.q,
-        v_ref=wanted.v,
-        a_ref=wanted.a,
-        status=tuple("diverged" if tick < ticks else "ok" for tick in stopped_at),
+        q_ref=logged[1],
+        v_ref=logged[2],
+        a_ref=logged[3],
+        status=tuple("diverged" if tick < ticks else "ok" for tick in followed.stopped_at),
         end_time=end_time,
         joint_names=tuple(plant.arm.joint_names),
         period=period,
-        limit_violations=outside_limits(plant, time, histories["q"]),
+        limit_violations=outside_limits(tuple(plant.arm.joint_names), period, followed.reach),
+        log_every=log_every,
     )
+
+
+def _log_rate(log_every: int, ticks: int) -> int:
+    whole = isinstance(log_every, (int, np.integer)) and not isinstance(log_every, bool)
+    if not (whole and 1 <= log_every < ticks):
+        raise ParameterError(
+            "log_every",
+            f"{log_every!r} given; expected a whole number of ticks, 1 to log each of them, at most {ticks - 1}: more "
+            "would log the start alone",
+        )
+    return int(log_every)
 
 
 def _trials(trials: Sequence[int] | None, batch: int) -> Sequence[int]:

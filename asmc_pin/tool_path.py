@@ -49,8 +49,9 @@ def tool_path(arm: Arm, run: Rollout, tool: str) -> ToolPath:
         tool: Name of a link, or of another frame of the URDF.
 
     Raises:
-        ParameterError: there is no such frame.
+        ParameterError: there is no such frame, or not every tick of the run is logged.
     """
+    run.need_every_tick("the tool's path is")
     try:
         kinematics = FrameKinematics(arm, tool)
     except ParameterError as error:

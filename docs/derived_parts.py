@@ -78,6 +78,8 @@ def default(value: object) -> str:
         return "required"
     if value is None:
         return ""
+    if isinstance(value, bool):
+        return f"`{str(value).lower()}`"  # as TOML has it
     if isinstance(value, (int, float)):
         return f"{value:g}"
     return f'`"{value}"`' if isinstance(value, str) else f"`{list(value)}`" if value else ""  # type: ignore[call-overload]

@@ -269,6 +269,12 @@ class ExperimentTables(TomlTable):
         json_schema_extra={"exclusiveMaximum": LONGEST_PERIOD},
     )
     duration: float = Field(gt=0.0, description="length of the run, s")
+    log_every: int = Field(
+        default=1,
+        ge=1,
+        description="one control tick in how many is kept in a result's trajectories; figures and verdicts are of all "
+        "ticks",
+    )
     seed: int = Field(
         default=0,
         ge=0,
@@ -302,3 +308,13 @@ class ExperimentTables(TomlTable):
                 f"them in memory: at most {MOST_TICKS:g}; shorten the duration, or lengthen the period"
             )
         return duration
+
+    @field_validator("log_every")
+    @classmethod
+    def _keeps_more_than_the_start(cls, log_every: int, info: ValidationInfo) -> int:
+        period, duration = info.data.get("period"), info.data.get("duration")
+        if period is not None and duration is not None and log_every > (most := round(duration / period)):
+            raise ValueError(
+                f"{log_every} would keep the start alone of a run of {most} control periods; at most {most}"
+            )
+        return log_every

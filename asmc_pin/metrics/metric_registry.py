@@ -148,7 +148,11 @@ class Metric:
 
         Returns:
             Shape (batch, nv), SI; NaN where the metric is not defined, which most are not of a trial that diverged.
+
+        Raises:
+            ParameterError: not every tick of the run is logged.
         """
+        rollout.need_every_tick("metrics are")
         with np.errstate(invalid="ignore"):  # NaN after a divergence is expected, and masked below.
             values = np.array(self.function(rollout, settings or MetricSettings()), dtype=np.float64)
         if not self.of_diverged:

@@ -61,7 +61,11 @@ def first_trip(rollout: Rollout, limits: TripLimits) -> Trip | None:
     Args:
         rollout: What the plant did.
         limits: What the robot takes.
+
+    Raises:
+        ParameterError: not every tick of the run is logged.
     """
+    rollout.need_every_tick("trips are")
     found: list[tuple[float, float, Trip]] = []
     for name, values, limit in _judged(rollout, limits):
         times = _first_time(rollout, name, values, limit)

@@ -93,8 +93,9 @@ def monitor(
         Arrays along the run, and a verdict on each claim. A diverged trial is judged up to its end.
 
     Raises:
-        ParameterError: the arm or the law is for another number of joints or trials.
+        ParameterError: the arm or the law is for another number of joints or trials, or not every tick is logged.
     """
+    rollout.need_every_tick("monitors are")
     truth = Truth(rollout, arm, trials, effort_limit)
     batch, ticks, nv = rollout.q.shape
     numbers = range(batch) if trials is None else trials

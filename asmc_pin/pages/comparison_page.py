@@ -46,6 +46,7 @@ from asmc_pin.pages.theorem_figures import CAPTION as THEOREMS_CAPTION
 from asmc_pin.pages.theorem_figures import NAME as THEOREMS
 from asmc_pin.pages.theorem_section import theorem_section
 from asmc_pin.results.ensemble_summary import ends, failed_words, failures
+from asmc_pin.results.kept_ticks import reference_range
 from asmc_pin.results.result_folder import Result
 from asmc_pin.viewer import controller_colors, player_scripts, replay_fragment, static
 from asmc_pin.viewer.player_page import POLICY
@@ -85,7 +86,7 @@ def report_text(result: Result) -> str:
         *([] if result.claims is None else theorem_section(result.claims, controller_colors(_label_list(result)))),
         *_conditions(result),
         '<h2 id="metrics">How the figures are defined</h2>',
-        '<p class="soft">Computed from the recorded trajectories, for each joint; e = q<sub>d</sub> − q. A law that '
+        f'<p class="soft">Computed from {_computed_from(result)}, for each joint; e = q<sub>d</sub> − q. A law that '
         "diverged has no figures.</p>",
         scroll("Definitions of the metrics", definitions(METRICS.values())),
         '<h2 id="terms">What the terms mean</h2>',
@@ -98,6 +99,13 @@ def report_text(result: Result) -> str:
         style=static("player.css") + _static("report.css"),
         body="\n".join(body),
         scripts="\n".join([player_scripts(), figure_scripts(), f"<script>{page_script()}</script>"]),
+    )
+
+
+def _computed_from(result: Result) -> str:
+    every = result.experiment.log_every
+    return (
+        "the recorded trajectories" if every == 1 else f"every control tick, also those {every - 1} of {every} not kept"
     )
 
 
@@ -251,7 +259,7 @@ def _conditions(result: Result) -> Iterator[str]:
 def _about(result: Result) -> tuple[Premises, Arm]:
     """The simulated arm, with the rotors of its drives, and what is supposed about it."""
     arm = result.experiment.build_plant().arm
-    return premises_along(arm, result.dataset.q_ref.to_numpy()), arm
+    return premises_along(arm, reference_range(result.dataset)), arm
 
 
 def _joint_table(arm: Arm) -> Table:

@@ -77,7 +77,11 @@ def energy_balance(plant: Plant, run: Rollout, trials: tuple[int, ...] | None = 
         plant: The plant that it ran on, with rigid gears: an elastic one stores energy that the record does not show.
         run: What happened.
         trials: Numbers of its trials, if they were not 0, 1, …; they matter where parameters scatter.
+
+    Raises:
+        ParameterError: not every tick of the run is logged.
     """
+    run.need_every_tick("its energy is")
     plant = plant.for_trials(range(len(run.status)) if trials is None else trials)
     batch = len(run.status)
     moved = np.diff(run.q, axis=1)
@@ -106,7 +110,11 @@ def stored_energy(plant: Plant, run: Rollout, trials: tuple[int, ...] | None = N
 
     Returns:
         Shape (batch, T), J; NaN after a divergence.
+
+    Raises:
+        ParameterError: not every tick of the run is logged.
     """
+    run.need_every_tick("its energy is")
     return _stored(plant.for_trials(range(len(run.status)) if trials is None else trials), run)[0]
 
 

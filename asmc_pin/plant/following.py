@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,8 +15,9 @@ from asmc_pin.controllers.protocol import Controller, Setpoint
 from asmc_pin.errors import ParameterError
 from asmc_pin.plant.compiled_run.asked_run import AskedRun
 from asmc_pin.plant.compiled_run.run_state import CompiledRun
+from asmc_pin.plant.joint_reach import all_reached, no_reach
 from asmc_pin.plant.plant_state import Motion
-from asmc_pin.plant.run_recorder import CHUNK, MEASURED, TRUTH, Recorder
+from asmc_pin.plant.run_recorder import CHUNK, MEASURED, TRUTH, Recorder, first_logged
 
 Progress = Callable[[int, int], None]
 
@@ -26,33 +27,44 @@ Progress = Callable[[int, int], None]
 JOINT_TICKS = 400_000
 
 
+class Followed(NamedTuple):
+    """What is left of trials that ran.
+
+    Attributes:
+        histories: By the names that a `Rollout` gives them, (batch, logged ticks, nv) each and read-only.
+        stopped_at: Tick at which each trial stopped, (batch,); the number of ticks where it did not.
+        reach: How far the joints came at any tick, see `asmc_pin.plant.joint_reach`.
+    """
+
+    histories: dict[str, Array]
+    stopped_at: IntArray
+    reach: Array
+
+
 def follow_compiled(
-    controller: Controller, motion: Motion, wanted: Setpoint, progress: Progress | None
-) -> tuple[dict[str, Array], IntArray]:
+    controller: Controller, motion: Motion, wanted: Setpoint, log_every: int, progress: Progress | None
+) -> Followed:
     """Run a law in compiled code; a law in numpy is asked tick by tick.
 
     Args:
         controller: The law.
         motion: The trials as they begin; they do not move themselves, see `CompiledRun`.
         wanted: The reference, fields of shape (T, nv).
+        log_every: One tick in how many is logged, from the first on.
         progress: Called now and then with the ticks done and their total.
-
-    Returns:
-        The histories by the names that a `Rollout` gives them, (batch, T, nv) each and read-only, and the tick at which
-        each trial stopped, (batch,), T where it did not.
     """
     ticks, nv = wanted.q.shape
-    batch = len(motion.q)
+    batch, logged = len(motion.q), len(range(0, ticks, log_every))
     ks = _ks_of(controller, nv)
     step = controller.trial_step if isinstance(controller, CompiledLaw) else None
-    names = _names(motion) + ([] if ks is None else ["s"])
-    histories = {name: np.empty((batch, ticks, nv)) for name in dict.fromkeys([*names, MEASURED[2]])}
-    gains = np.empty((batch, ticks, nv))
-    written = {**histories, "gain": gains}
-    run = CompiledRun(motion, wanted, written) if step is not None else AskedRun(motion, wanted, written, ks)
+    names = [*_names(motion), *([] if ks is None else ["s"]), "gain"]
+    # One block of memory: the system gives a large one in large pages, which take a fraction of the time to come by.
+    histories = dict(zip(names, np.empty((len(names), batch, logged, nv)), strict=True))
+    made = motion, wanted, histories, log_every
+    run = CompiledRun(*made) if step is not None else AskedRun(*made, ks)
     state = controller.init(run.sample())
-    if hasattr(state, "gain"):
-        histories["gain"] = gains
+    if not hasattr(state, "gain"):
+        del histories["gain"]
     if isinstance(run, AskedRun):
         k = _ask_tick_by_tick(controller, state, run, wanted, progress)
     elif step is not None and isinstance(controller, CompiledLaw):
@@ -66,10 +78,10 @@ def follow_compiled(
                 progress(k, ticks)
     if progress is not None and k < ticks:
         progress(ticks, ticks)
-    absent = np.broadcast_to(np.nan, (batch, ticks, nv))
+    absent = np.broadcast_to(np.nan, (batch, logged, nv))
     for history in histories.values():
         history.setflags(write=False)
-    return {"s": absent, "gain": absent, **histories}, run.stopped_at
+    return Followed({"s": absent, "gain": absent, **histories}, run.stopped_at, run.reach)
 
 
 def _ask_tick_by_tick(
@@ -92,8 +104,8 @@ def _ask_tick_by_tick(
 
 
 def follow_by_pinocchio(
-    controller: Controller, motion: Motion, wanted: Setpoint, progress: Progress | None
-) -> tuple[dict[str, Array], IntArray]:
+    controller: Controller, motion: Motion, wanted: Setpoint, log_every: int, progress: Progress | None
+) -> Followed:
     """Run a law on dynamics by Pinocchio, all trials tick by tick; see `follow_compiled`."""
     ticks, nv = wanted.q.shape
     batch = len(motion.q)
@@ -101,7 +113,9 @@ def follow_by_pinocchio(
     stopped_at = np.full(batch, ticks)
     state = controller.init(motion.sample())
     names = _names(motion) + (["gain"] if hasattr(state, "gain") else [])
-    recorder = Recorder(wanted, batch, _ks_of(controller, nv), names)
+    logged = Setpoint(*(x[::log_every] for x in (wanted.q, wanted.v, wanted.a)))
+    recorder = Recorder(logged, batch, _ks_of(controller, nv), names)
+    reach = no_reach(motion.plant, batch)
     k = 0
     while k < ticks and motion.active.any():
         stopped = motion.stop_diverged(wanted.q[k])
@@ -111,23 +125,27 @@ def follow_by_pinocchio(
         if stopped:
             stopped_at[~motion.active & (stopped_at == ticks)] = k
         q, v = motion.q, motion.v
+        all_reached(reach, np.ascontiguousarray(q), k, motion.active)
         friction = motion.advance()
-        values = [q, v, motion.torque, friction]
-        values += [] if motion.ideal_sensor else [sample.q, sample.v, sample.torque]
-        values += [] if motion.external is None else [motion.external]
-        values += [state.gain] if names[-1] == "gain" else []
-        recorder.write(k, values)
+        if k % log_every == 0:
+            values = [q, v, motion.torque, friction]
+            values += [] if motion.ideal_sensor else [sample.q, sample.v]
+            values += [sample.torque]
+            values += [] if motion.external is None else [motion.external]
+            values += [state.gain] if names[-1] == "gain" else []
+            recorder.write(k // log_every, values)
         k += 1
         if progress is not None and (k % CHUNK == 0 or k == ticks):
             progress(k, ticks)
     if progress is not None and k < ticks:
         progress(ticks, ticks)
-    return recorder.finish(k, stopped_at), stopped_at
+    written = recorder.finish(len(range(0, k, log_every)), first_logged(stopped_at, log_every))
+    return Followed(written, stopped_at, reach)
 
 
 def _names(motion: Motion) -> list[str]:
     """What is written of every run, whatever its law."""
-    measured = [] if motion.ideal_sensor else [*MEASURED]
+    measured = MEASURED[2:] if motion.ideal_sensor else MEASURED
     return [*TRUTH, *measured, *([] if motion.external is None else ["external_torque"])]
 
 

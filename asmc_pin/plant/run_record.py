@@ -7,14 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from asmc_pin._typing import Array
-from asmc_pin.numerics.short_loops import short_loops
-from asmc_pin.plant.plant import Plant
+from asmc_pin.errors import ParameterError
 from asmc_pin.words.media import for_html
 from asmc_pin.words.shown import Cells, Shown, figure, sparkline
 from asmc_pin.words.text import printable
-
-# Beyond a joint limit by less than this, rad (m), is round-off of a trajectory that touches it.
-LIMIT_SLACK = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,12 +32,14 @@ class LimitViolation:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Rollout(Shown):
-    """A run: what happened in every trial at every control tick; arrays are read-only.
+    """A run: what happened in every trial at every control tick that is logged; arrays are read-only.
 
-    A trial that diverged holds NaN from the tick at which that was found.
+    A trial that diverged holds NaN from the tick at which that was found. Where `log_every` is N, the T ticks are 0, N,
+    2N and so on, each with what a run that logs every tick has of it; what needs every tick, such as a metric, is
+    refused.
 
     Attributes:
-        time: t_k = k·period, shape (T,), s.
+        time: t_k = k·period of the ticks, shape (T,), s.
         q: Angles, shape (batch, T, nv), rad (m for prismatic joints, and so on).
         v: Velocities, shape (batch, T, nv), rad/s.
         torque: Torque that the drives apply over [t_k, t_{k+1}), after limits, delay and current loop; its mean where
@@ -64,8 +62,9 @@ class Rollout(Shown):
         q_measured: Angles as the law was told, `q` itself with ideal sensors. Shape (batch, T, nv), rad.
         v_measured: Velocities as the law was told, `v` itself with ideal sensors.
         torque_measured: Torque of the last period as the law was told, shape (batch, T, nv), N·m: with ideal sensors
-            `held_torque`, then `torque` one tick later.
+            `held_torque`, then `torque` one tick later. NaN where nobody gives it and not every tick is logged.
         external_torque: Mean torque of the disturbances over [t_k, t_{k+1}), shape (batch, T, nv), N·m; zeros without.
+        log_every: One control tick in how many is logged.
     """
 
     time: Array
@@ -88,6 +87,7 @@ class Rollout(Shown):
     v_measured: Array = None  # type: ignore[assignment]
     torque_measured: Array = None  # type: ignore[assignment]
     external_torque: Array = None  # type: ignore[assignment]
+    log_every: int = 1
 
     def __post_init__(self) -> None:
         """Fill in what ideal sensors and an arm that nothing disturbs leave out."""
@@ -95,7 +95,7 @@ class Rollout(Shown):
             object.__setattr__(self, "held_torque", np.zeros_like(self.torque[:, 0]))
         if self.torque_measured is None:
             told = np.concatenate([self.held_torque[:, None], self.torque[:, :-1]], axis=1)
-            told = np.where(np.isnan(self.torque), np.nan, told)
+            told = np.where(np.isnan(self.torque) | (self.log_every != 1), np.nan, told)
             told.setflags(write=False)
             object.__setattr__(self, "torque_measured", told)
         if self.q_measured is None:
@@ -103,6 +103,22 @@ class Rollout(Shown):
             object.__setattr__(self, "v_measured", self.v)
         if self.external_torque is None:
             object.__setattr__(self, "external_torque", np.broadcast_to(0.0, self.torque.shape))
+
+    def need_every_tick(self, what: str) -> None:
+        """Refuse what is computed from every tick where some are not logged.
+
+        Args:
+            what: That, with its verb, such as ``"metrics are"``.
+
+        Raises:
+            ParameterError: ticks are missing.
+        """
+        if self.log_every != 1:
+            raise ParameterError(
+                "log_every",
+                f"this run has logged one tick in {self.log_every}, and {what} computed from every tick; run it with "
+                "log_every = 1",
+            )
 
     @property
     def ideal_sensor(self) -> bool:
@@ -128,20 +144,23 @@ class Rollout(Shown):
     def lines(self) -> list[str]:
         """How much was run, and what went wrong."""
         trials = len(self.status)
-        said = f"{trials} trial{'s' if trials > 1 else ''} of {self.time[-1]:g} s in periods of {self.period:g} s"
+        end = f"{'of' if self.log_every == 1 else 'up to'} {self.time[-1]:g} s in periods of {self.period:g} s"
+        said = f"{trials} trial{'s' if trials > 1 else ''} {end}"
+        said += "" if self.log_every == 1 else f", one tick in {self.log_every} logged"
         if (diverged := np.array(self.status) != "ok").any():
             said += f"; {diverged.sum()} diverged, first at t = {self.end_time[diverged].min():.4g} s"
         return [said, *self.warnings]
 
     def table(self) -> Cells:
-        """Largest error and torque of each joint, over the trials that did not diverge; a dash where all did."""
+        """Largest logged error and torque of each joint, over the trials that did not diverge; a dash where all did."""
         ran = np.array(self.status) == "ok"
         error, torque = (np.abs(x[ran]) for x in (self.q_ref - self.q, self.torque))
         rows = []
         for i, name in enumerate(self.joint_names):
             largest = (figure(float(x[..., i].max() if ran.any() else np.nan)) for x in (error, torque))
             rows.append([printable(name), *largest])
-        return ["joint", "largest |e| rad (m)", "largest |τ| N·m (N)"], rows
+        largest_is = "largest" if self.log_every == 1 else "largest logged"
+        return ["joint", f"{largest_is} |e| rad (m)", f"{largest_is} |τ| N·m (N)"], rows
 
     def picture(self) -> str:
         """The error of the first trial over time, joint by joint."""
@@ -149,36 +168,3 @@ class Rollout(Shown):
         named = zip(map(printable, self.joint_names), error.tolist(), strict=True)
         curves = (f"<td>{sparkline(e, f'e of {name}, first trial')}<br>{for_html(name)}</td>" for name, e in named)
         return f"<table><tbody><tr>{''.join(curves)}</tr></tbody></table>"
-
-
-@short_loops
-def _fill_ends(q: Array, ends: Array) -> None:
-    """The least and the largest value of every joint in every trial, (batch, 2, nv); NaN does not count."""
-    for trial in range(q.shape[0]):
-        for i in range(q.shape[2]):
-            ends[trial, 0, i], ends[trial, 1, i] = np.inf, -np.inf
-        for k in range(q.shape[1]):
-            for i in range(q.shape[2]):
-                if q[trial, k, i] < ends[trial, 0, i]:
-                    ends[trial, 0, i] = q[trial, k, i]
-                if q[trial, k, i] > ends[trial, 1, i]:
-                    ends[trial, 1, i] = q[trial, k, i]
-
-
-def outside_limits(plant: Plant, time: Array, q: Array) -> tuple[LimitViolation, ...]:
-    """Every joint that left its limits, trial by trial; what comes after a divergence (NaN) does not count."""
-    found = []
-    ends = np.empty((len(q), 2, q.shape[2]))
-    _fill_ends(q, ends)
-    for joint, name in enumerate(plant.arm.joint_names):
-        highest, lowest = ends[:, 1, joint], ends[:, 0, joint]
-        upper, lower = (np.array([getattr(arm, side)[joint] for arm in plant.arms]) for side in ("upper", "lower"))
-        for trial in np.flatnonzero((highest > upper) | (lowest < lower)).tolist():
-            arm = plant.arms[trial % len(plant.arms)]
-            above, below = highest[trial] - arm.upper[joint], arm.lower[joint] - lowest[trial]
-            if max(above, below) > LIMIT_SLACK:
-                path = q[trial, :, joint]
-                outside = (path - arm.upper[joint] > LIMIT_SLACK) | (arm.lower[joint] - path > LIMIT_SLACK)
-                excess = above if above >= below else -below
-                found.append(LimitViolation(trial, name, float(time[np.argmax(outside)]), float(excess)))
-    return tuple(found)

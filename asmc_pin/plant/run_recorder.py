@@ -19,11 +19,16 @@ TRUTH = ("q", "v", "torque", "friction_torque")
 MEASURED = ("q_measured", "v_measured", "torque_measured")
 
 
+def first_logged(ticks: IntArray, log_every: int) -> IntArray:
+    """Which logged tick is the first from a tick on, where one in so many is logged."""
+    return -(-ticks // log_every)
+
+
 class Recorder:
-    """The histories of a run, (batch, T, nv), filled a chunk of ticks at a time.
+    """The histories of a run, (batch, T, nv) for T logged ticks, filled a chunk of them at a time.
 
     Args:
-        wanted: The reference, fields of shape (T, nv).
+        wanted: The reference at those ticks, fields of shape (T, nv).
         batch: Number of trials.
         ks: Diagonal of K_s, a scalar or (nv,); None if the law has none: s stays NaN.
         names: What is written at each tick: `TRUTH`, then what the run has besides. s is computed from what was
@@ -44,15 +49,15 @@ class Recorder:
         self._seen = [tuple(names).index(name) for name in seen]
 
     def write(self, k: int, values: Sequence[ArrayLike]) -> None:
-        """Write tick k; ticks come in order, values in that of `names`, each broadcast to (batch, nv)."""
+        """Write logged tick k; ticks come in order, values in that of `names`, each broadcast to (batch, nv)."""
         rows = self._chunk[:, k % CHUNK]
         for row, value in zip(rows, values, strict=True):
             row[:] = value
         if k % CHUNK == CHUNK - 1:
             self._flush(k + 1)
 
-    def finish(self, written: int, stopped_at: IntArray) -> dict[str, Array]:
-        """Spread what is still gathered, and make a trial NaN from the tick, (batch,), at which it stopped.
+    def finish(self, written: int, stopped: IntArray) -> dict[str, Array]:
+        """Spread what is still gathered, and make a trial NaN from a logged tick, (batch,), on: T for never.
 
         Returns:
             The histories by the names that a `Rollout` gives them, read-only from now on.
@@ -61,8 +66,8 @@ class Recorder:
         histories = {**self._written, **self._computed}
         for history in histories.values():
             if history.flags.writeable:
-                for trial in np.flatnonzero(stopped_at < history.shape[1]):
-                    history[trial, stopped_at[trial] :] = np.nan
+                for trial in np.flatnonzero(stopped < history.shape[1]):
+                    history[trial, stopped[trial] :] = np.nan
                 history.setflags(write=False)
         return histories
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from asmc_pin.disk.files import remove_leftovers, whole_folder
 from asmc_pin.disk.reading import shown, user_path
 from asmc_pin.errors import AsmcPinError, ResultError
+from asmc_pin.results.kept_ticks import LOG_EVERY
 from asmc_pin.results.result_files import LARGEST
 
 if TYPE_CHECKING:
@@ -59,7 +60,8 @@ class Result:
     Attributes:
         path: Its folder.
         experiment: The experiment as it was run.
-        dataset: Trajectories; dimensions controller, trial, time, joint.
+        dataset: Trajectories; dimensions controller, trial, time, joint. Of the control ticks those are in it that the
+            experiment's `log_every` divides.
         summary: One row for each controller, trial and joint; metrics in SI units.
         provenance: Versions, hashes, seed, times.
         claims: The paper's claims on each controller and trial, see `asmc_pin.monitors.claim_rows`; None without.
@@ -212,7 +214,8 @@ def recorded_run(dataset: xr.Dataset, label: str, trial: int = 0) -> Rollout:
         trial: Which; the run has it as its only one.
 
     Returns:
-        The run as the plant had it. What the law was told and which joints left their limits is not recorded.
+        The run as the plant had it. What the law was told and which joints left their limits is not recorded; and a
+        result with `log_every` has not every tick, without which there are no metrics.
     """
     import numpy as np
 
@@ -232,6 +235,7 @@ def recorded_run(dataset: xr.Dataset, label: str, trial: int = 0) -> Rollout:
         joint_names=tuple(map(str, dataset.joint.to_numpy())),
         period=float(dataset.attrs["period"]),
         limit_violations=(),
+        log_every=int(dataset.attrs.get(LOG_EVERY, 1)),
     )
 
 

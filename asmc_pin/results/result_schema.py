@@ -14,6 +14,7 @@ from asmc_pin.errors import ResultError
 from asmc_pin.experiment.toml_keys import MOST_TRIALS
 from asmc_pin.metrics import METRICS, MOVED
 from asmc_pin.monitors import BAEK, CAUSES, STATEMENTS, STATUSES
+from asmc_pin.results.kept_ticks import LOG_EVERY, RANGE
 from asmc_pin.results.result_files import Columns, check_columns
 from asmc_pin.words.text import printable
 
@@ -78,10 +79,12 @@ def check_trajectories(path: Path, dataset: xr.Dataset, experiment: Experiment) 
             if found.dtype.kind not in kind:
                 raise ResultError(path, f"{path}: '{name}' does not hold {what}")
     sizes = dataset.sizes
-    ticks = round(experiment.duration / experiment.period) + 1
+    ticks = len(experiment.time[:: experiment.log_every])
     for axis, expected in (("controller", len(experiment.controllers)), ("time", ticks)):
         if sizes[axis] != expected:
             raise ResultError(path, f"{path}: has {sizes[axis]} along '{axis}', its experiment has {expected}")
+    if not np.array_equal(dataset.attrs.get(LOG_EVERY, 1), experiment.log_every):
+        raise ResultError(path, f"{path}: says of '{LOG_EVERY}' something else than its experiment")
     if not 1 <= sizes["trial"] <= MOST_TRIALS or sizes["joint"] < 1:
         raise ResultError(path, f"{path}: has {sizes['trial']} trials of {sizes['joint']} joints")
     _check_names(path, dataset, experiment)
@@ -91,6 +94,10 @@ def check_trajectories(path: Path, dataset: xr.Dataset, experiment: Experiment) 
             raise ResultError(path, f"{path}: '{name}' has positions beyond {_FURTHEST:g} rad (m)")
     if not np.isfinite(dataset.q_ref.to_numpy()).all():
         raise ResultError(path, f"{path}: 'q_ref' has a position that is no number")
+    for name in RANGE:
+        found = dataset.get(name, dataset.q_ref[0])
+        if found.dims != ("joint",) or found.dtype.kind not in "iuf" or not np.isfinite(found.to_numpy()).all():
+            raise ResultError(path, f"{path}: '{name}' does not hold a number for each joint")
     for name in ("warnings", "notes"):
         if not isinstance(dataset.attrs.get(name, ""), str):
             raise ResultError(path, f"{path}: its attribute '{name}' is no text")

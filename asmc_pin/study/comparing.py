@@ -29,6 +29,7 @@ from asmc_pin.pages.theorem_tables import theorems_latex
 from asmc_pin.plant import Plant, moving_arms
 from asmc_pin.results import result_folder
 from asmc_pin.results.extra_signals import add_signals
+from asmc_pin.results.kept_ticks import kept_ticks
 from asmc_pin.results.provenance import provenance
 from asmc_pin.study.comparison import Comparison, summary_rows
 from asmc_pin.study.comparison_notes import after_the_run, before_the_run, lemma1_along
@@ -64,7 +65,8 @@ def compare(
 
     Each runs in as many trials as ``[ensemble]`` says, in lockstep, from starts that all controllers share. Every
     figure is given by its median and its 5 % and 95 % quantiles; trajectories, figures and theorems are those of
-    trial 0, which starts where the experiment says.
+    trial 0, which starts where the experiment says. All are of every control tick, as is the comparison that is
+    returned; of its arrays on disk one tick in `log_every` is kept.
 
     The same experiment gives bitwise the same files on the same machine, but for ``provenance.json``.
 
@@ -241,12 +243,13 @@ def _write(
     (folder / result_folder.EXPERIMENT).write_text(experiment.to_toml(), encoding="utf-8")
     # What a user ought to be told stays with the figures, so that a report made later says it too.
     told = {"notes": "\n".join(comparison.notes), "warnings": "\n".join(comparison.warnings)}
-    result_folder.write_trajectories(comparison.dataset.assign_attrs(told), folder / result_folder.TRAJECTORIES)
+    kept = kept_ticks(comparison.dataset.assign_attrs(told), experiment.log_every)
+    result_folder.write_trajectories(kept, folder / result_folder.TRAJECTORIES)
     result_folder.write_summary(rows, folder / result_folder.SUMMARY)
     (folder / "summary.md").write_text(summary_markdown(comparison), encoding="utf-8")
     latex = "\n".join([latex_table(rows), theorems_latex(comparison.theorems.claims, comparison.about.title)])
     (folder / "summary.tex").write_text(latex, encoding="utf-8")
-    comparison.theorems.write(folder)
+    comparison.theorems.write(folder, experiment.log_every)
     if arm.provisos:
         (folder / result_folder.EXPANDED).write_text(arm.urdf_text, encoding="utf-8")
     figures = folder / "figures"

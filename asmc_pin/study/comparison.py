@@ -25,7 +25,7 @@ from asmc_pin.plant import moving_arms
 from asmc_pin.references import SolvedPath, reference_words
 from asmc_pin.results.ensemble_summary import failures, figures_by_trial, paired
 from asmc_pin.statistics.order_statistics import spread_of
-from asmc_pin.study.comparison_notes import Lemma1Range, lemma1_lines, phase_lines
+from asmc_pin.study.comparison_notes import Lemma1Range, lemma1_lines, log_lines, phase_lines
 from asmc_pin.study.refinement import Refinement
 from asmc_pin.study.run_monitors import Theorems
 from asmc_pin.study.sensitivity_notes import limit_lines, sensitivity_lines
@@ -75,7 +75,8 @@ class Comparison(Shown):
         moving = moving_arms(self.experiment.build_plant(), self.experiment.period, self.experiment.duration)
         told = phase_lines(moving) + lemma1_lines(self.lemma1)
         told += sensitivity_lines(self.experiment, self.rows) + limit_lines(self.experiment, self.rows)
-        return told + theorem_lines(self.theorems.claims) + solved + refined
+        told += theorem_lines(self.theorems.claims) + solved + refined
+        return told + log_lines(self.experiment.log_every)
 
     @property
     def about(self) -> Premises:

@@ -231,6 +231,16 @@ def phase_lines(moving: Sequence[MovingArm]) -> list[str]:
     return [f"titles name the arm of t = 0; it carries {', '.join(carried)}"] if carried else []
 
 
+def log_lines(log_every: int) -> list[str]:
+    """What a result keeps of its trajectories; nothing where it keeps all."""
+    if log_every == 1:
+        return []
+    return [
+        f"trajectories.nc and monitors.nc keep one control tick in {log_every}, as do the page's curves and replay; "
+        "metrics, verdicts and figures/ are of every tick"
+    ]
+
+
 def lemma1_lines(lemma1: Mapping[str, Lemma1Range]) -> list[str]:
     """The ranges in words, one line for each M̄."""
     groups: dict[Lemma1Range, list[str]] = {}

@@ -87,7 +87,7 @@ def first_trial(run: Rollout) -> Rollout:
     """Trial 0 of a run as a run of its own, equal to the last bit to one that is run alone."""
     if len(run.status) == 1:
         return run
-    told = {"q_measured", "v_measured", "torque_measured"} if run.ideal_sensor else set()
+    told = {"q_measured", "v_measured"} if run.ideal_sensor else set()
     changed: dict[str, Any] = dict.fromkeys(told)
     for item in fields(run):
         value = getattr(run, item.name)

@@ -17,6 +17,7 @@ from asmc_pin.monitors import CAUSES, claim_rows, monitor, monitor_dataset
 from asmc_pin.pages.theorem_figures import draw_theorems
 from asmc_pin.plant import Plant
 from asmc_pin.results import result_folder
+from asmc_pin.results.kept_ticks import kept_ticks
 
 
 @dataclass(frozen=True)
@@ -31,10 +32,10 @@ class Theorems:
     claims: pd.DataFrame
     dataset: xr.Dataset
 
-    def write(self, folder: Path) -> None:
-        """Rows and arrays, into a result's folder."""
+    def write(self, folder: Path, log_every: int = 1) -> None:
+        """Rows, and of the arrays one tick in so many, into a result's folder."""
         result_folder.write_summary(self.claims, folder / result_folder.CLAIMS)
-        result_folder.write_trajectories(self.dataset, folder / result_folder.MONITORS)
+        result_folder.write_trajectories(kept_ticks(self.dataset, log_every), folder / result_folder.MONITORS)
 
     def draw(self, folder: Path) -> None:
         """The figure, into a folder of figures."""

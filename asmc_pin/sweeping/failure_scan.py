@@ -43,6 +43,8 @@ def scan_ends(
 ) -> dict[tuple[int, str], ScanEnd]:
     """Scan one axis in several trials, all of them and all controllers a stage at a time.
 
+    A controller that has not got the scanned key runs once in each trial: wherever the key stands, it does the same.
+
     Args:
         runs: Runs trials.
         axis: What is scanned.
@@ -56,7 +58,11 @@ def scan_ends(
     start, end = axis.scan
     found: dict[tuple[int, str], ScanEnd] = {}
     rungs = [start + (end - start) * rung / RUNGS for rung in range(RUNGS)] + [end]
-    climbing = [(i, label) for i in range(len(jobs)) for label in labels]
+    pairs = [(i, label) for i in range(len(jobs)) for label in labels]
+    for pair, outcome in _at(runs, axis, jobs, {p: start for p in pairs if not axis.concerns(p[1])}).items():
+        fails = outcome.failed(axis.until)
+        found[pair] = ScanEnd(start if fails else end, not fails, start if fails else math.inf, outcome)
+    climbing = [pair for pair in pairs if pair not in found]
     for value in rungs:
         outcomes = _at(runs, axis, jobs, {pair: value for pair in climbing})
         for pair in list(climbing):

@@ -68,19 +68,26 @@ def sweep(
     todo = missing_blocks(plan, folder)
     left = sum(map(len, todo))
     started, began, done = datetime.now(UTC), time.monotonic(), 0
-    tell(_how_far(plan, left, 0, 0.0), 1.0 - left / plan.trials)
+    tell(how_far(plan, left, 0, 0.0), 1.0 - left / plan.trials)
     results = block_results(plan, todo, workers or cores()) if dask is None else cluster_results(plan, todo, dask)
     for finished, content in results:
         write_shard(folder, finished, content)
         done += len(finished)
-        tell(_how_far(plan, left, done, time.monotonic() - began), 1.0 - (left - done) / plan.trials)
+        tell(how_far(plan, left, done, time.monotonic() - began), 1.0 - (left - done) / plan.trials)
     tell("writing", 1.0)
     findings = write_findings(plan, folder, started, time.monotonic() - began)
     return Sweep(folder, plan.trials, findings)
 
 
-def _how_far(plan: SweepPlan, left: int, done: int, seconds: float) -> str:
-    """Trials done, how fast, and how long the rest takes."""
+def how_far(plan: SweepPlan, left: int, done: int, seconds: float) -> str:
+    """Trials done, how fast, and how long the rest takes.
+
+    Args:
+        plan: The sweep.
+        left: Trials that were to be run when it was started.
+        done: Of these, how many are.
+        seconds: That they took.
+    """
     said = f"{plan.trials - left + done:,} of {plan.trials:,} trials"
     if not done or seconds <= 0.0:
         return said

@@ -11,6 +11,7 @@ import os
 import signal
 import threading
 import time
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TypeVar
@@ -89,7 +90,14 @@ def in_workers(work: Callable[[Item], Result], items: Sequence[Item], workers: i
             ensure_running()  # unblocks SIGINT where it begins a tracker, so it has to be there before
         with _interrupts_held_back(), _quiet_tracker():
             done = pool(run(work, item, os.getpid()) for item in items)
-        yield from done
+        try:
+            for result in done:  # noqa: UP028  # `yield from` would end it itself, before the warning is dealt with
+                yield result
+        finally:
+            with warnings.catch_warnings():
+                # Whoever takes no more results has a reason, and tells it; what is under way is let go.
+                warnings.filterwarnings("ignore", ".*tasks which were still being processed", UserWarning)
+                done.close()
 
 
 def _watched(work: Callable[[Item], Result], item: Item, parent: int) -> Result:

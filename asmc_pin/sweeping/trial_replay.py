@@ -31,6 +31,7 @@ def replay(
 
     Where the sweep has its rows on disk, they are held against this run: the figures are the same to the last bit. A
     trial of a scan is run where the first controller failed in it, or at the scan's end if none did; that needs rows.
+    Every tick is in its trajectories, whatever ``log_every`` says.
 
     Args:
         experiment: As swept.
@@ -57,7 +58,8 @@ def replay(
         quantities[axis.path] = _failing(plan, folder, trial, axis.scan)
     tables = variation.tables(quantities)
     name = f"{experiment.name}-trial-{trial}"[-100:]
-    single = experiment.replace(**{**tables, "name": name, "trial": draw, "sweep": None, "ensemble": {"trials": 1}})
+    alone = {"name": name, "trial": draw, "sweep": None, "ensemble": {"trials": 1}, "log_every": None}
+    single = experiment.replace(**{**tables, **alone})
     made = compare(single, folder / "replay" / str(trial), force=True, progress=progress, warn=warn)
     if axis is None:
         _check_same(made, _rows_of(plan, folder, trial))

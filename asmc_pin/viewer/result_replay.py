@@ -11,6 +11,7 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import AsmcPinError, ResultError
+from asmc_pin.results.kept_ticks import keeps_the_end
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.viewer.drawing.drawn_bodies import TRIANGLES, draw
 from asmc_pin.viewer.played_motion import PlayedMotion, describe
@@ -105,7 +106,8 @@ def write_replay(result: Result, path: str | Path, *, trial: int = 0) -> None:
 def _over_limits(result: Result, trial: int) -> Array:
     """Torques over the joints' limits, where there is none over the largest of the run; (controllers, T, nv)."""
     torque = result.dataset.torque.isel(trial=trial).transpose("controller", "time", "joint").to_numpy().copy()
-    torque[:, -1] = 0.0  # that of a period which the run does not have any more
+    if keeps_the_end(len(result.experiment.time), result.experiment.log_every):
+        torque[:, -1] = 0.0  # that of a period which the run does not have any more
     limits = np.asarray(result.experiment.build_plant().effort_limit, dtype=np.float64)
     limit = limits[min(trial, len(limits) - 1)] if limits.ndim == 2 else limits
     largest = np.max(np.abs(torque), axis=(0, 1), initial=0.0, where=np.isfinite(torque))

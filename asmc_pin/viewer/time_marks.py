@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from asmc_pin.results.kept_ticks import of_kept_ticks
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -34,7 +36,9 @@ class TimeMark:
 def time_marks(result: Result, trial: int) -> list[TimeMark]:
     """What happens in one trial of a result, in the order of time."""
     duration = float(result.dataset.time[-1])
-    marks = [*_acting(result, duration), *_worst(result, trial), *_largest_errors(result.dataset.isel(trial=trial))]
+    kept = of_kept_ticks(result.experiment.log_every)
+    errors = _largest_errors(result.dataset.isel(trial=trial), kept)
+    marks = [*_acting(result, duration), *_worst(result, trial, kept), *errors]
     return sorted((mark for mark in marks if mark.start <= duration), key=lambda mark: mark.start)
 
 
@@ -51,7 +55,7 @@ def _acting(result: Result, duration: float) -> Iterator[TimeMark]:
         yield TimeMark(change.time, None, "load", f"{what} from {change.time:g} s on")
 
 
-def _worst(result: Result, trial: int) -> Iterator[TimeMark]:
+def _worst(result: Result, trial: int, kept: str) -> Iterator[TimeMark]:
     """The configuration in which Lemma 1's norm is largest, of all controllers that have one."""
     if result.monitors is None or "lemma1_norm" not in result.monitors:
         return
@@ -60,11 +64,11 @@ def _worst(result: Result, trial: int) -> Iterator[TimeMark]:
         return
     k, tick = np.unravel_index(np.nanargmax(norms), norms.shape)
     time, label = float(result.monitors.time[tick]), str(result.monitors.controller.to_numpy()[k])
-    words = f"Worst configuration, Lemma 1's norm {norms[k, tick]:.4g} ({label}): {time:.3g} s"
+    words = f"Worst configuration, Lemma 1's norm {norms[k, tick]:.4g} ({label}{kept}): {time:.3g} s"
     yield TimeMark(time, None, "place", words)
 
 
-def _largest_errors(run: xr.Dataset) -> Iterator[TimeMark]:
+def _largest_errors(run: xr.Dataset, kept: str) -> Iterator[TimeMark]:
     """Of each controller, when the error of a joint is largest; of a mixed arm, of the joints that turn."""
     kinds = run.joint_kind.to_numpy()
     alike = kinds == "revolute" if (kinds == "revolute").any() else kinds == kinds[0]
@@ -72,4 +76,4 @@ def _largest_errors(run: xr.Dataset) -> Iterator[TimeMark]:
     for label, each in zip(run.controller.to_numpy(), error[:, :, alike], strict=True):
         if np.isfinite(each).any():
             time = float(run.time[np.nanargmax(np.nan_to_num(each, nan=-1.0).max(axis=1))])
-            yield TimeMark(time, None, "place", f"Largest joint error of {label}: {time:.3g} s")
+            yield TimeMark(time, None, "place", f"Largest joint error of {label}{kept}: {time:.3g} s")

@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from next_command import next_words
-from processes import command, environment, run
+from processes import command, environment, group_lives, run
 from sweep_cases import contents, tiny
 
 
@@ -91,19 +91,11 @@ def test_ctrl_c_is_130_ends_the_workers_and_loses_no_block(tmp_path):
         assert "Traceback" not in err, err
         assert "KeyboardInterrupt" not in err
         deadline = time.monotonic() + 30
-        while any_left(process.pid):
+        while group_lives(process.pid):
             assert time.monotonic() < deadline, "a worker outlives the sweep"
             time.sleep(0.1)
         shards = contents(tmp_path / "results" / "tiny-sweep")
         assert not [name for name in shards if name.split("/")[-1].startswith(".")]
     finally:
-        if any_left(process.pid):
+        if group_lives(process.pid):
             os.killpg(process.pid, signal.SIGKILL)
-
-
-def any_left(group: int) -> bool:
-    try:
-        os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    return True

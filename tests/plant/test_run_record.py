@@ -10,7 +10,7 @@ from plant_cases import OpenLoop, Still, slider
 
 from asmc_pin.engine import rollout
 from asmc_pin.plant import Friction, Plant
-from asmc_pin.plant.run_record import outside_limits
+from asmc_pin.plant.joint_reach import all_reached, no_reach, outside_limits
 
 
 def test_a_run_tells_how_many_trials_diverged_and_counts_the_others_figures(tmp_path):
@@ -39,15 +39,23 @@ def test_where_nobody_says_otherwise_no_torque_acted_before_and_each_is_reported
     assert run.torque.min() > 0.5
 
 
+def reach_of(arm, q):
+    """What is noted of trials of one arm, (batch, T, nv); those with NaN run no more."""
+    plant = SimpleNamespace(arm=SimpleNamespace(nv=2), arms=(arm,))
+    reach = no_reach(plant, len(q))
+    for k in range(q.shape[1]):
+        all_reached(reach, np.ascontiguousarray(q[:, k]), k, np.isfinite(q[:, k]).all(axis=1))
+    return reach
+
+
 def test_a_joint_that_leaves_its_limits_is_named_with_the_first_time_and_the_farthest_it_came():
     arm = SimpleNamespace(lower=np.array([-1.0, 2.0]), upper=np.array([0.5, 4.0]))
-    plant = SimpleNamespace(arm=SimpleNamespace(joint_names=("a", "b")), arms=(arm,))
-    time = 0.1 * np.arange(5)
     q = np.array([[[0.3, 3.0], [0.4, 3.9], [0.6, 3.0], [0.9, 2.5], [np.nan, np.nan]]])
-    (found,) = outside_limits(plant, time, q)
-    assert (found.joint, found.trial, found.time) == ("a", 0, time[2])
+    (found,) = outside_limits(("a", "b"), 0.1, reach_of(arm, q))
+    assert (found.joint, found.trial, found.time) == ("a", 0, 0.1 * 2)
     np.testing.assert_allclose(found.excess, 0.4)
-    (found,) = outside_limits(plant, time, q - [0.5, 1.4])
-    assert (found.joint, found.time) == ("b", time[0])
+    (found,) = outside_limits(("a", "b"), 0.1, reach_of(arm, q - [0.5, 1.4]))
+    assert (found.joint, found.time) == ("b", 0.0)
     np.testing.assert_allclose(found.excess, -0.9)
-    assert outside_limits(plant, time, np.clip(q, arm.lower, arm.upper)) == ()
+    within = np.clip(q, arm.lower - 0.9e-9, arm.upper + 0.9e-9)
+    assert outside_limits(("a", "b"), 0.1, reach_of(arm, within)) == ()

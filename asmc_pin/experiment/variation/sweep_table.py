@@ -23,6 +23,7 @@ _NOT_VARIED = {
     "ensemble": "is about the last digits of one run",
     "sweep": "says what varies",
     "tune": "says how gains are searched",
+    "log_every": "is about the files of a comparison, and a sweep's rows are of every tick",
 }
 
 Judge = Callable[[dict[str, Any]], list[Mistake]]

@@ -10,6 +10,7 @@ from pathlib import Path
 from asmc_pin.errors import MissingDependencyError
 from asmc_pin.pages.interactive.signal_curves import described
 from asmc_pin.pages.tables.text_table import number
+from asmc_pin.results.kept_ticks import keeps_the_end, of_kept_ticks
 from asmc_pin.results.result_folder import Result
 from asmc_pin.viewer import controller_colors
 from asmc_pin.viewer.player_page import inert, json_text
@@ -28,17 +29,22 @@ def figure_element(result: Result, short: list[str]) -> str:
     dataset = result.dataset
     labels = [str(label) for label in dataset.controller.to_numpy()]
     colours = controller_colors(labels)
-    data = described(dataset, result.monitors) | {
+    kept = result.experiment.log_every
+    ended = keeps_the_end(len(result.experiment.time), kept)
+    data = described(dataset, result.monitors, ended) | {
         "controllers": [{"label": label, "colour": colours[label]} for label in labels],
         "joints": short,
         "duration": float(dataset.time[-1]),
+        "kept": of_kept_ticks(kept),
     }
     every = data["every"]
-    span = number(1e3 * every * result.experiment.period)
+    span = number(1e3 * every * kept * result.experiment.period)
     several = ". Shaded: 5 % to 95 % of all trials" if any(item["bands"] for item in data["signals"]) else ""
     drawn = (
         f"from the lowest and the highest value of every {every} ticks ({span} ms)" if every > 1 else "from every tick"
     )
+    if kept > 1:
+        drawn = f"{drawn.replace('tick', 'kept tick')}; one tick in {kept} is kept, and what is between does not show"
     caption = (
         f"Curves of the first trial over time in s, drawn {drawn}{several}. Logarithmic axes show sizes. After a click "
         "the wheel zooms; a click also takes the scene to that time."

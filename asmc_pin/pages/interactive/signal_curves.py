@@ -38,12 +38,13 @@ class Signal(NamedTuple):
     high: Array | None = None
 
 
-def signals_of(dataset: xr.Dataset, monitors: xr.Dataset | None) -> Iterator[Signal]:
+def signals_of(dataset: xr.Dataset, monitors: xr.Dataset | None, ended: bool = True) -> Iterator[Signal]:
     """The quantities of the first trial, with the bands of all where the result has them.
 
     Args:
         dataset: See `asmc_pin.results.result_folder.Result`.
         monitors: What only the plant knows, among it the TDE error; None without.
+        ended: Whether their last tick is that of the run, whose torque acts in no period any more.
     """
     run = dataset.isel(trial=0)
     slides = run.joint_kind.to_numpy() == "prismatic"
@@ -68,7 +69,8 @@ def signals_of(dataset: xr.Dataset, monitors: xr.Dataset | None) -> Iterator[Sig
     )
     yield signal("s", "Sliding variable s", [f"{each}/s" for each in metre], of("s"))
     torque = of("torque")
-    torque[:, -1] = np.nan  # that of a period which the run does not have any more
+    if ended:
+        torque[:, -1] = np.nan
     yield signal("torque", "Torque τ", force, torque)
     yield signal("gain", "Switching gain k̂", [f"{each}/s²" for each in metre], of("gain"))
     yield signal("friction_torque", "Friction torque", force, of("friction_torque"))
@@ -99,14 +101,14 @@ def extremes(values: Array, edges: IntArray) -> Array:
     return pairs.ravel()
 
 
-def described(dataset: xr.Dataset, monitors: xr.Dataset | None) -> dict[str, Any]:
-    """All curves, ready for JSON: see ``static/signals.js`` for how they are read."""
+def described(dataset: xr.Dataset, monitors: xr.Dataset | None, ended: bool = True) -> dict[str, Any]:
+    """All curves, ready for JSON: see ``static/signals.js`` for how they are read, and `signals_of` for arguments."""
     time = dataset.time.to_numpy()
     edges = window_edges(len(time))
     begin, end = time[edges[:-1]], time[edges[1:] - 1]
     points = np.stack([begin + 0.25 * (end - begin), begin + 0.75 * (end - begin)], axis=1).ravel()
     told = []
-    for signal in signals_of(dataset, monitors):
+    for signal in signals_of(dataset, monitors, ended):
         if not np.isfinite(signal.values).any():
             continue
         joints = range(signal.values.shape[2])

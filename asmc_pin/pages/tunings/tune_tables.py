@@ -89,8 +89,8 @@ def result_lines(findings: TuneFindings) -> list[str]:
     train, held = tune.train * findings.points, tune.held_out * findings.points
     told = [
         f"objective: {findings.objective}",
-        f"{findings.budget} candidates of each controller on the same {train} training trials, seed "
-        f"{findings.experiment.seed}; the best judged on {held} others",
+        f"{findings.budget} candidates of each controller on the same {train} training trial{'s' * (train > 1)}, seed "
+        f"{findings.experiment.seed}; the best judged on {held} other{'s' * (held > 1)}",
     ]
     if tune.stable:
         told.append("only gains were run whose sampled loop is stable where it was searched, which is no proof")

@@ -7,6 +7,7 @@ from asmc_pin.controllers.protocol import Setpoint
 from asmc_pin.plant.compiled_run.one_tick import spread
 from asmc_pin.plant.compiled_run.run_state import CompiledRun
 from asmc_pin.plant.plant_state import Motion
+from asmc_pin.plant.run_recorder import first_logged
 
 LOG_NUMBERS = 2_500_000
 """Numbers in the log of all trials, 20 MB. It is written in the order in which trials are gone through; a history is
@@ -21,13 +22,16 @@ class AskedRun(CompiledRun):
         motion: The trials as they begin.
         wanted: The reference, fields of shape (T, nv).
         histories: What is written, by the names of `Histories`; complete after `finish`.
+        log_every: One tick in how many is logged.
         ks: K_s with which s is logged, a scalar or (nv,); None where it is not.
     """
 
-    def __init__(self, motion: Motion, wanted: Setpoint, histories: dict[str, Array], ks: Array | None) -> None:
-        in_a_tick = len(histories) * motion.q.size
-        super().__init__(motion, wanted, histories, ks, max(4, min(len(wanted.q), LOG_NUMBERS // in_a_tick)))
-        self._done, self._full = 0, len(self._log)
+    def __init__(
+        self, motion: Motion, wanted: Setpoint, histories: dict[str, Array], log_every: int, ks: Array | None
+    ) -> None:
+        in_a_tick, logged = len(histories) * motion.q.size, len(histories["q"][0])
+        super().__init__(motion, wanted, histories, log_every, ks, max(4, min(logged, LOG_NUMBERS // in_a_tick)))
+        self._done, self._logged, self._full = 0, 0, len(self._log)
         self._changes = frozenset(motion.changes)
         self.running = int(self.active.sum())
         """How many trials run."""
@@ -47,9 +51,11 @@ class AskedRun(CompiledRun):
             self._gain[:] = gain
         self.running = self._look(k)
         self._done = k + 1
-        if self._done == self._full:
-            self._spread()
-            self._full += len(self._log)
+        if k % self._setup.log_every == 0:
+            self._logged += 1
+            if self._logged == self._full:
+                self._spread()
+                self._full += len(self._log)
 
     def finish(self) -> None:
         """Write what is not written yet; of a trial that stopped, NaN from the tick at which it did."""
@@ -59,4 +65,5 @@ class AskedRun(CompiledRun):
 
     def _spread(self) -> None:
         begin = self._full - len(self._log)
-        spread(self._log, self._places, begin, self._done, self.stopped_at, self._histories)
+        stopped = first_logged(self.stopped_at, self._setup.log_every)
+        spread(self._log, self._places, begin, self._logged, stopped, self._histories)

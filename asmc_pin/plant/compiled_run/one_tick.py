@@ -26,6 +26,7 @@ from asmc_pin.plant.compiled_run.run_rows import (
     V,
 )
 from asmc_pin.plant.compiled_run.run_ticks import Histories
+from asmc_pin.plant.joint_reach import reached
 
 # Rows of the table: what belongs to the run and its trials, with shapes as in `Inputs` and `Trials`, but a command and
 # a gain of the law for each trial, (batch, nv), noise of one tick, (batch, 3, nv), and the log, (ticks, batch, rows,
@@ -47,6 +48,7 @@ from asmc_pin.plant.compiled_run.run_ticks import Histories
     SENSOR,
     SEEN,
     STOPPED_AT,
+    REACH,
     LOG,
     PLACES,
     PARENT,
@@ -57,12 +59,12 @@ from asmc_pin.plant.compiled_run.run_ticks import Histories
     ROOM_OF_LINKS,
     ROOM_OF_SQUARES,
     SIGNS,
-) = range(26)
+) = range(27)
 
 
 @inlined
 def _setup_of(numbers: Array) -> Setup:
-    """The scalars of a plant, from an array of them."""
+    """The scalars of a plant and its log, from an array of them."""
     return Setup(
         numbers[0],
         numbers[1],
@@ -80,6 +82,7 @@ def _setup_of(numbers: Array) -> Setup:
         numbers[13],
         numbers[14],
         numbers[15],
+        int(numbers[16]),
     )
 
 
@@ -114,6 +117,7 @@ def _note(
 @inlined
 def _one_trial(
     k: int,
+    logged: bool,
     command: Array,
     setup: Setup,
     parent: IntArray,
@@ -130,6 +134,7 @@ def _one_trial(
     drive: Array,
     sensor: Array,
     seen: Array,
+    reach: Array,
     log: Array,
     places: IntArray,
     ks: Array,
@@ -146,11 +151,13 @@ def _one_trial(
         q, v = scratch[BEGAN_Q], scratch[BEGAN_V]
         for i in range(command.size):
             q[i], v[i] = state[Q, i], state[V, i]
+        reached(reach, q, k)
         advance(
             setup, parent, body, gravity, older_share, loads, own_loads, 0,
             plant, state, drive, scratch, room, squares, signs,
         )  # fmt: skip
-        _note(log, places, q, v, seen, state, ks, gain, q_ref, v_ref, k)
+        if logged:
+            _note(log, places, q, v, seen, state, ks, gain, q_ref, v_ref, k)
     if k + 1 < len(q_ref):
         if not within(setup, state, q_ref, k + 1):
             return k + 1
@@ -176,18 +183,18 @@ def run_commands(k: int, table: IntArray, told: Array) -> int:
     loads, own_loads, noise = floats2(table, LOADS), floats3(table, OWN_LOADS), floats3(table, NOISE)
     plant, state, drive = floats3(table, PLANT), floats3(table, STATE), floats3(table, DRIVE)
     sensor, seen, stopped_at = floats3(table, SENSOR), floats3(table, SEEN), whole1(table, STOPPED_AT)
-    log, places = floats4(table, LOG), whole1(table, PLACES)
+    reach, log, places = floats3(table, REACH), floats4(table, LOG), whole1(table, PLACES)
     parent, body, gravity = whole1(table, PARENT), floats2(table, BODY), floats1(table, GRAVITY)
     scratch, room, squares = floats2(table, SCRATCH), floats2(table, ROOM_OF_LINKS), floats3(table, ROOM_OF_SQUARES)
     signs, nothing = whole2(table, SIGNS), np.zeros((3, command.shape[1]))
-    at = k % len(log)
+    at, logged = k // setup.log_every % len(log), k % setup.log_every == 0
     for trial in whole1(table, ROWS):
         if stopped_at[trial] == ticks:
             stop = _one_trial(
-                k, command[trial], setup, parent, body, gravity, q_ref, v_ref, older_share, loads,
+                k, logged, command[trial], setup, parent, body, gravity, q_ref, v_ref, older_share, loads,
                 own_loads[trial] if own_loads.size else nothing[:0], noise[trial] if noise.size else nothing,
-                plant[trial], state[trial], drive[trial], sensor[trial], seen[trial], log[at, trial], places, ks,
-                gain[trial], scratch, room, squares, signs,
+                plant[trial], state[trial], drive[trial], sensor[trial], seen[trial], reach[trial],
+                log[at, trial], places, ks, gain[trial], scratch, room, squares, signs,
             )  # fmt: skip
             if stop < 0:
                 running += 1
@@ -210,10 +217,10 @@ def _spread_one(log: Array, row: int, trial: int, history: Array, begin: int, en
 
 
 @short_loops
-def spread(log: Array, places: IntArray, begin: int, end: int, stopped_at: IntArray, histories: Histories) -> None:
-    """Write the log of ticks from `begin` on to the histories; of a trial that stopped, the ticks before it."""
+def spread(log: Array, places: IntArray, begin: int, end: int, stopped: IntArray, histories: Histories) -> None:
+    """Write the log of logged ticks from `begin` on to the histories; of a trial that stopped, those before it."""
     for trial in range(log.shape[1]):
-        last = min(end, stopped_at[trial])
+        last = min(end, stopped[trial])
         for number, history in enumerate(histories):
             if places[number] >= 0:
                 _spread_one(log, places[number], trial, history, begin, last)

@@ -75,7 +75,7 @@ SCHEMES = {"semi_implicit": SEMI_IMPLICIT, "midpoint": MIDPOINT, "rk4": RK4}
 
 
 class Setup(NamedTuple):
-    """The scalars of a plant.
+    """The scalars of a plant, and of its log.
 
     Attributes:
         period: L, s.
@@ -94,6 +94,7 @@ class Setup(NamedTuple):
         delay_fraction: Of the age of a reading, periods, what is beyond whole ones.
         speed_bound: rad/s.
         error_bound: rad.
+        log_every: One tick in how many is logged.
     """
 
     period: float
@@ -112,3 +113,4 @@ class Setup(NamedTuple):
     delay_fraction: float
     speed_bound: float
     error_bound: float
+    log_every: int

@@ -45,7 +45,9 @@ from asmc_pin.plant.compiled_run.run_rows import (
 )
 from asmc_pin.plant.compiled_run.run_ticks import Histories, Inputs, Trials, run_law
 from asmc_pin.plant.drive.drive_parameters import FOLDBACK
+from asmc_pin.plant.joint_reach import no_reach
 from asmc_pin.plant.plant_state import Motion
+from asmc_pin.plant.run_recorder import first_logged
 from asmc_pin.plant.sensor.compiled_sensor import HISTORY
 from asmc_pin.rigid_body.dynamics import ROOM, Bodies
 
@@ -74,8 +76,9 @@ class CompiledRun:
         motion: The trials as they begin.
         wanted: The reference, fields of shape (T, nv).
         histories: What is written, by the names of `Histories`; the others are not.
+        log_every: One tick in how many is logged.
         ks: K_s with which s is logged where the law is asked at every tick, a scalar or (nv,).
-        log_ticks: How many ticks are logged then before they are spread over the histories.
+        log_ticks: How many logged ticks there are then before they are spread over the histories.
     """
 
     def __init__(
@@ -83,6 +86,7 @@ class CompiledRun:
         motion: Motion,
         wanted: Setpoint,
         histories: dict[str, Array],
+        log_every: int = 1,
         ks: Array | None = None,
         log_ticks: int = 0,
     ) -> None:
@@ -91,7 +95,7 @@ class CompiledRun:
         batch, nv = motion.q.shape
         self._ticks = len(wanted.q)
         self._histories = Histories(*(histories.get(name, _NO_TRIALS) for name in Histories._fields))
-        self._setup = _setup_of(motion)
+        self._setup = _setup_of(motion, log_every)
         sensing, actuator = motion.sensing, motion.actuator
         state = np.zeros((batch, STATE_ROWS, nv))
         state[:, Q], state[:, V], state[:, TORQUE] = motion.q, motion.v, motion.torque
@@ -104,6 +108,7 @@ class CompiledRun:
             np.zeros((batch, 3, nv)),
             np.ones(batch, dtype=np.bool_),
             np.full(batch, self._ticks),
+            no_reach(motion.plant, batch),
         )
         self._shares = np.zeros(self._setup.substeps) if actuator is None else np.array(actuator.older_share)
         self._command, self._gain = np.zeros((2, batch, nv))
@@ -121,6 +126,7 @@ class CompiledRun:
             _NO_TRIALS,
             *self._trials[:5],
             self._trials.stopped_at,
+            self._trials.reach,
             self._log,
             self._places,
         ]
@@ -142,6 +148,11 @@ class CompiledRun:
     def stopped_at(self) -> IntArray:
         """Tick at which a trial stopped, (batch,); the number of ticks where it did not."""
         return self._trials.stopped_at
+
+    @property
+    def reach(self) -> Array:
+        """How far the joints came at any tick, see `asmc_pin.plant.joint_reach`."""
+        return self._trials.reach
 
     def sample(self) -> Sample:
         """What the drives report at this tick; read-only."""
@@ -208,10 +219,11 @@ class CompiledRun:
 
     def _blank_stopped(self) -> None:
         """Make the histories of a trial that stopped NaN from that tick on."""
+        stopped = first_logged(self.stopped_at, self._setup.log_every)
         for trial in np.flatnonzero(self.stopped_at < self._ticks):
             for history in self._histories:
                 if history.size:
-                    history[trial, self.stopped_at[trial] :] = np.nan
+                    history[trial, stopped[trial] :] = np.nan
 
     def _jobs(self) -> list[tuple[Bodies, IntArray]]:
         """Arms with the trials that have them, cut for the plant's threads."""
@@ -264,7 +276,7 @@ def _log_of(histories: Histories, ticks: int, batch: int, nv: int) -> tuple[IntA
     return np.where(written, np.cumsum(written) - 1, -1), np.empty((max(ticks, 1), batch, int(written.sum()), nv))
 
 
-def _setup_of(motion: Motion) -> Setup:
+def _setup_of(motion: Motion, log_every: int) -> Setup:
     plant, sensing = motion.plant, motion.sensing
     return Setup(
         period=motion.period,
@@ -283,6 +295,7 @@ def _setup_of(motion: Motion) -> Setup:
         delay_fraction=0.0 if sensing is None else sensing.fraction,
         speed_bound=plant.speed_bound,
         error_bound=plant.error_bound,
+        log_every=log_every,
     )
 
 

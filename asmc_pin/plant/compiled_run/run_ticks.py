@@ -27,6 +27,7 @@ from asmc_pin.plant.compiled_run.run_rows import (
     Setup,
     V,
 )
+from asmc_pin.plant.joint_reach import reached
 from asmc_pin.rigid_body.dynamics import ROOM
 
 
@@ -41,6 +42,7 @@ class Trials(NamedTuple):
         seen: Angle, velocity and torque as reported at the present tick, (batch, 3, nv).
         active: Whether it runs, (batch,).
         stopped_at: Tick at which it stopped, (batch,); the number of ticks where it did not.
+        reach: How far its joints came, see `asmc_pin.plant.joint_reach`, (batch, 5, nv).
     """
 
     plant: Array
@@ -50,6 +52,7 @@ class Trials(NamedTuple):
     seen: Array
     active: BoolArray
     stopped_at: IntArray
+    reach: Array
 
 
 class Inputs(NamedTuple):
@@ -75,7 +78,7 @@ class Inputs(NamedTuple):
 
 
 class Histories(NamedTuple):
-    """What is written of a run, (batch, T, nv) each; empty where it is not asked for."""
+    """What is written of a run, (batch, logged ticks, nv) each; empty where it is not asked for."""
 
     q: Array
     v: Array
@@ -90,36 +93,51 @@ class Histories(NamedTuple):
 
 
 @inlined
-def _write(histories: Histories, trial: int, k: int, q: Array, v: Array, seen: Array, state: Array) -> None:
-    """What happened in a period: where it began, what was reported then, and what acted."""
+def _write(
+    histories: Histories,
+    trial: int,
+    k: int,
+    q: Array,
+    v: Array,
+    state: Array,
+    told: Array,
+    ks: Array,
+    gain: int,
+    memory: Array,
+) -> None:
+    """What happened in a period, as logged tick k: where it began, what the law was told then, and what acted."""
     for i in range(q.size):
         histories.q[trial, k, i], histories.v[trial, k, i] = q[i], v[i]
         histories.torque[trial, k, i] = state[TORQUE, i]
         histories.friction_torque[trial, k, i] = state[FRICTION, i]
         if histories.q_measured.size:
-            histories.q_measured[trial, k, i] = seen[0, i]
-            histories.v_measured[trial, k, i] = seen[1, i]
-        histories.torque_measured[trial, k, i] = seen[2, i]
+            histories.q_measured[trial, k, i] = told[0, i]
+            histories.v_measured[trial, k, i] = told[1, i]
+        histories.torque_measured[trial, k, i] = told[2, i]
         if histories.external_torque.size:
             histories.external_torque[trial, k, i] = state[EXTERNAL, i]
+        if histories.s.size:
+            histories.s[trial, k, i] = surface(ks[i], told[0, i], told[1, i], told[3, i], told[4, i])
+        if gain >= 0:
+            histories.gain[trial, k, i] = memory[gain, i]
 
 
 @short_loops
 def _fill_nan(history: Array, trial: int, k: int) -> None:
-    """Make a history of a trial NaN from tick k on, if it is written at all."""
+    """Make a history of a trial NaN from logged tick k on, if it is written at all."""
     if history.size:
         history[trial, k:] = np.nan
 
 
 @short_loops
-def _stop(histories: Histories, trials: Trials, trial: int, k: int) -> None:
-    """End a trial at tick k, and park it."""
+def _stop(histories: Histories, trials: Trials, trial: int, k: int, logged: int) -> None:
+    """End a trial at tick k, of which some have been logged before, and park it."""
     trials.active[trial] = False
     trials.stopped_at[trial] = k
     trials.state[trial] = 0.0
     trials.seen[trial] = 0.0
     for history in histories:
-        _fill_nan(history, trial, k)
+        _fill_nan(history, trial, logged)
 
 
 @short_loops
@@ -152,7 +170,9 @@ def _follow_law(
     """One trial of `run_law`."""
     nv = command.size
     plant, state, drive, sensor = trials.plant[trial], trials.state[trial], trials.drive[trial], trials.sensor[trial]
-    seen, q, v = told[:3], scratch[BEGAN_Q], scratch[BEGAN_V]
+    seen, q, v, reach = told[:3], scratch[BEGAN_Q], scratch[BEGAN_V], trials.reach[trial]
+    every = setup.log_every
+    logged = -(-begin // every)  # of the ticks before
     for k in range(begin, end):
         if k == 0:
             for row in range(3):
@@ -160,7 +180,7 @@ def _follow_law(
                     seen[row, i] = trials.seen[trial, row, i]
         else:
             if not within(setup, state, inputs.q_ref, k):
-                _stop(histories, trials, trial, k)
+                _stop(histories, trials, trial, k, logged)
                 return
             observe(
                 setup, False, plant, state, sensor,
@@ -172,18 +192,16 @@ def _follow_law(
         tick = Tick(k, told[0], told[1], told[2], told[3], told[4], told[5])
         run_at(step, tick, law, memory, work, command)
         if not hold(plant, scratch, command):
-            _stop(histories, trials, trial, k)
+            _stop(histories, trials, trial, k, logged)
             return
+        reached(reach, q, k)
         advance(
             setup, parent, body, gravity, inputs.older_share, inputs.loads, own_loads, (k - begin) * setup.substeps,
             plant, state, drive, scratch, room, squares, signs,
         )  # fmt: skip
-        _write(histories, trial, k, q, v, seen, state)
-        for i in range(nv):
-            if histories.s.size:
-                histories.s[trial, k, i] = surface(ks[i], told[0, i], told[1, i], told[3, i], told[4, i])
-            if gain >= 0:
-                histories.gain[trial, k, i] = memory[gain, i]
+        if k == logged * every:
+            _write(histories, trial, logged, q, v, state, told, ks, gain, memory)
+            logged += 1
 
 
 @with_room

@@ -210,7 +210,7 @@
         const most = this.signal.words[k][j];
         return most ? `${label} at most ${most[0]} ${unit} at ${most[1]} s` : `${label} none`;
       });
-      return `${this.signal.title} of ${this.data.joints[j]} over ${this.data.duration} s: ${parts.join(", ")}`;
+      return `${this.signal.title} of ${this.data.joints[j]} over ${this.data.duration} s${this.data.kept}: ${parts.join(", ")}`;
     }
 
     told() {
