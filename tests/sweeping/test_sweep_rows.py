@@ -2,6 +2,7 @@
 
 import re
 import shutil
+import signal
 import time
 import tracemalloc
 
@@ -193,6 +194,12 @@ def test_a_draw_that_fits_no_experiment_names_its_trial(tmp_path):
     for workers in (1, 2):
         with pytest.raises(ExperimentError, match=rf"trial {bad}: .*arm\.payload\.mass"):
             sweep(sweeping, bad + 1, tmp_path / str(workers), workers=workers, block=bad // 2 + 1)
+
+
+@pytest.mark.long
+def test_a_worker_that_is_killed_is_one_message_and_no_fault_of_ours():
+    with pytest.raises(ParameterError, match=r"ended one of the processes.*the same command goes on from there"):
+        list(in_workers(signal.raise_signal, [signal.SIGKILL] * 3, 2))
 
 
 @pytest.mark.long
