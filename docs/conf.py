@@ -30,7 +30,7 @@ nb_execution_mode = "off"
 # A signature says the types; what a docstring says of its arguments stands below it.
 autodoc_typehints = "signature"
 autodoc_member_order = "bysource"
-autodoc_default_options = {"members": True, "inherited-members": False}
+autodoc_default_options = {"members": True}
 default_role = "code"
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False

@@ -22,9 +22,10 @@ from asmc_pin.baselines.model_card import LIMITS, model_card
 from asmc_pin.cli.commands.listing_commands import arm_rows, controller_rows, metric_rows
 from asmc_pin.controllers import CONTROLLERS, TdeLaw
 from asmc_pin.controllers.law_card import law_card, suggested
+from asmc_pin.experiment.arm_keys import ArmTable
 from asmc_pin.experiment.constructors import Signature
 from asmc_pin.experiment.plant_parts import LISTS, TABLES
-from asmc_pin.experiment.toml_keys import ArmTable, EnsembleTable, ExperimentTables, MetricsTable, PlantTable
+from asmc_pin.experiment.toml_keys import EnsembleTable, ExperimentTables, MetricsTable, PlantTable
 from asmc_pin.experiment.toml_values import TomlTable
 from asmc_pin.experiment.tune_table import LimitsTable, TuneTable
 from asmc_pin.metrics import METRICS

@@ -45,7 +45,8 @@ def write_name_pages(app: Sphinx) -> None:
         for name in names:
             thing = getattr(asmc_pin, name)
             if inspect.isfunction(thing) or isinstance(thing, type):
-                lines += [f".. auto{'function' if inspect.isfunction(thing) else 'class'}:: asmc_pin.{name}", ""]
+                lines += [f".. auto{'function' if inspect.isfunction(thing) else 'class'}:: asmc_pin.{name}"]
+                lines += ["   :inherited-members:", ""] if _has_hidden_base(thing) else [""]
             else:  # a registry: its docstring would be that of a dictionary
                 lines += [f".. py:data:: {name}", "", f"   {first_line(name)}", ""]
         wanted[folder / f"{room.replace('.', '_')}.rst"] = "\n".join(lines)
@@ -54,6 +55,13 @@ def write_name_pages(app: Sphinx) -> None:
     for path, text in wanted.items():
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
+
+
+def _has_hidden_base(thing: object) -> bool:
+    """Whether a class gets methods from one of ours that has no page, and none from somebody else's."""
+    bases = thing.__mro__[1:-1] if isinstance(thing, type) else ()
+    ours = all(base.__module__.startswith("asmc_pin.") for base in bases)
+    return ours and any(base.__name__ not in asmc_pin.__all__ for base in bases)
 
 
 def plain_marks(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:

@@ -95,11 +95,11 @@ def status_of(error: BaseException) -> int:
         hint = f" (see '{context.command_path} --help')" if context is not None else ""
         note(f"{error.format_message().replace('Value error, ', '').rstrip('.')}{hint}")
         return BAD_INPUT
-    report(error)
+    report_fault(error)
     return FAULT
 
 
-def report(error: BaseException) -> None:
+def report_fault(error: BaseException) -> None:
     """Write the traceback of what nobody foresaw to a file, and say where it is."""
     global _seen
     _seen = True
@@ -136,7 +136,7 @@ def _is_of_the_world(error: OSError) -> bool:
 
 def _report_unless_exit(error: Any) -> None:
     if error is not None and not isinstance(error, SystemExit):
-        report(error)
+        report_fault(error)
 
 
 def _end() -> None:

@@ -4,21 +4,15 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
-from dataclasses import fields
 
 import typer
 
 from asmc_pin.cli.console import say
-from asmc_pin.cli.loading_options import LoadingOptions
+from asmc_pin.cli.option_groups.grouping import option_names
+from asmc_pin.cli.option_groups.loading_options import LoadingOptions
 
-_SAME = ("box", "condition", *(each.name for each in fields(LoadingOptions)))
+_SAME = ("box", "condition", *option_names(LoadingOptions))
 """Options that say what a statement is about."""
-
-SENSED = (
-    *("acceleration", "filter_hz", "delay", "velocity", "velocity_filter_hz", "pairing"),
-    *("encoder_bits", "encoder_side", "gear", "velocity_noise", "torque_noise"),
-)
-"""Options of a sampled loop that are no gains."""
 
 
 def again(context: typer.Context, verb: str, *more: str, also: Sequence[str] = (), without: Sequence[str] = ()) -> str:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from asmc_pin.experiment.variation.axes import VariedKey
 from asmc_pin.sweeping.lockstep import TrialTables
-from asmc_pin.sweeping.trial_runs import Outcome, TrialRuns
+from asmc_pin.sweeping.trial_runs import TrialOutcome, TrialRuns
 
 RUNGS = 8
 """Steps of the ladder from one end of the scan to the other."""
@@ -35,7 +35,7 @@ class ScanEnd:
     reached: float
     passed: bool
     fails_at: float
-    outcome: Outcome
+    outcome: TrialOutcome
 
 
 def scan_ends(
@@ -94,9 +94,9 @@ def scan_ends(
 
 def _at(
     runs: TrialRuns, axis: VariedKey, jobs: Sequence[TrialTables], values: Mapping[tuple[int, str], float]
-) -> dict[tuple[int, str], Outcome]:
+) -> dict[tuple[int, str], TrialOutcome]:
     """What each pair of trial and controller makes of its own value."""
-    found: dict[tuple[int, str], Outcome] = {}
+    found: dict[tuple[int, str], TrialOutcome] = {}
     for label in dict.fromkeys(label for _, label in values):
         members = [(i, value) for (i, other), value in values.items() if other == label]
         placed = [TrialTables(jobs[i].trial, jobs[i].draw, axis.placed(jobs[i].tables, value)) for i, value in members]

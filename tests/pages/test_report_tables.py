@@ -366,9 +366,10 @@ def wide_run(joints: int, controllers: list[str]) -> xr.Dataset:
 
 @pytest.mark.parametrize(("joints", "trials"), [(2, 1), (3, 16), (7, 16)])
 def test_a_two_column_paper_takes_every_figure_and_table_without_an_overfull_box(tmp_path, joints, trials):
-    labels = ["PPC", "Existing law", "A label of some length", "Proposed"]
+    labels = ["PPC", "Existing law", "A label of some length", "Proposed", "Boundary layer"]
     names = [f"arm_{i}_joint" for i in range(joints)]
-    rows = pd.concat([summary(names, ["revolute"] * joints) for _ in range(2)], ignore_index=True)
+    rows = pd.concat([summary(names, ["revolute"] * joints) for _ in range(3)], ignore_index=True)
+    rows = rows.iloc[: len(labels) * joints]
     rows["controller"] = np.repeat(labels, joints)
     rows = pd.concat([rows.assign(trial=trial) for trial in range(trials)]).sort_values(["controller", "trial"])
     rng = np.random.default_rng(0)

@@ -14,7 +14,7 @@ from asmc_pin.sweeping.block_rows import BlockRows
 from asmc_pin.sweeping.failure_scan import scan_ends
 from asmc_pin.sweeping.lockstep import TrialTables
 from asmc_pin.sweeping.sweep_plan import sweep_plan
-from asmc_pin.sweeping.trial_runs import Outcome, TrialRuns
+from asmc_pin.sweeping.trial_runs import TrialOutcome, TrialRuns
 
 UNTIL = {"max_error": 0.03}
 AXIS = {"plant.friction.coulomb": {"scan": [0.0, 40.0], "until": UNTIL}}
@@ -29,7 +29,7 @@ class Pretended:
     def __call__(self, jobs, labels):
         self.asked += [job.tables["arm"]["payload"] for job in jobs]
         return {
-            (i, label): Outcome("a", (), "ppc", label, False, self._status(label, job), 1.0, {})
+            (i, label): TrialOutcome("a", (), "ppc", label, False, self._status(label, job), 1.0, {})
             for i, job in enumerate(jobs)
             for label in labels
         }

@@ -43,7 +43,7 @@ def bench(
 
     load_suite(suite).part(quick=quick, arms=arm, tasks=task, laws=law)  # what is mistyped is said at once
     if report is not None:
-        from asmc_pin.disk.files import check_writable
+        from asmc_pin.disk.file_access import check_writable
         from asmc_pin.pages.plates import is_html
 
         is_html(Path(report))

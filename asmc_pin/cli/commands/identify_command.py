@@ -9,19 +9,22 @@ import typer
 
 from asmc_pin.cli.app import LISTS, app
 from asmc_pin.cli.console import announce_compiling, note, print_json, say
-from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_single, takes_loading_options
 from asmc_pin.cli.next_step import again, say_next
+from asmc_pin.cli.opening_arms import open_single
+from asmc_pin.cli.option_groups.grouping import takes_option_groups
+from asmc_pin.cli.option_groups.loading_options import NOTHING, LoadingOptions
 from asmc_pin.cli.options import (
     ArmArgument,
     JsonOption,
     ReportOption,
     assignments,
     check_count,
+    check_output,
     number,
     numbers,
     per_joint,
 )
-from asmc_pin.disk.files import check_readable, check_writable
+from asmc_pin.disk.file_access import check_readable
 from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -31,7 +34,7 @@ if TYPE_CHECKING:
 
 
 @app.command(rich_help_panel=LISTS)
-@takes_loading_options(without=("plant",))
+@takes_option_groups(without=("plant",))
 def identify(
     context: typer.Context,
     arm: ArmArgument,
@@ -121,8 +124,7 @@ def identify(
         topic=topic,
     )
     for path in (out, report):
-        if path is not None and Path(path).parent.exists():  # else it is made
-            check_writable(path)
+        check_output(path)
     if report is not None:
         from asmc_pin.pages.plates import is_html
 

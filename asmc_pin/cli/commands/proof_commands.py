@@ -10,16 +10,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from asmc_pin.cli.app import LISTS, MBAR, STUDIES, app
-from asmc_pin.cli.commands.condition_commands import EXIT
+from asmc_pin.cli.condition_output import EXIT
 from asmc_pin.cli.console import announce_compiling, print_json, progress_bar, say
-from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_single, takes_loading_options
 from asmc_pin.cli.next_step import again, say_next
+from asmc_pin.cli.opening_arms import open_single
+from asmc_pin.cli.option_groups.grouping import takes_option_groups
+from asmc_pin.cli.option_groups.loading_options import NOTHING, ONE_VALUE, LoadingOptions
 from asmc_pin.cli.options import (
     ArmArgument,
     JsonOption,
 )
 from asmc_pin.condition.hypotheses import Hypotheses
-from asmc_pin.disk.files import check_readable
+from asmc_pin.disk.file_access import check_readable
 from asmc_pin.words.text import quoted
 
 if TYPE_CHECKING:
@@ -95,7 +97,7 @@ def _arm_in(premises: Premises) -> tuple[str, str]:
 
 
 @app.command(rich_help_panel=LISTS)
-@takes_loading_options(ranges=False)
+@takes_option_groups(instead=ONE_VALUE)
 def agree(
     context: typer.Context,
     arm: ArmArgument,

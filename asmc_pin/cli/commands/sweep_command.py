@@ -57,7 +57,7 @@ def sweep(
 
     loaded = load_experiment(experiment, plant=plant)
     if report is not None:
-        from asmc_pin.disk.files import check_writable
+        from asmc_pin.disk.file_access import check_writable
         from asmc_pin.pages.plates import is_html
 
         is_html(Path(report))

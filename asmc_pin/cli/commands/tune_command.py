@@ -41,7 +41,7 @@ def tune(
 
     loaded = load_experiment(experiment)
     if report is not None:
-        from asmc_pin.disk.files import check_writable
+        from asmc_pin.disk.file_access import check_writable
         from asmc_pin.pages.plates import is_html
 
         is_html(Path(report))
