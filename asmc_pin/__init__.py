@@ -39,12 +39,12 @@ if TYPE_CHECKING:
     from asmc_pin.condition import read_recording as read_recording
     from asmc_pin.condition import verify as verify
     from asmc_pin.condition import weighted_norm as weighted_norm
-    from asmc_pin.condition.best_mbar.design_report import ArmaturePurchase as ArmaturePurchase
-    from asmc_pin.condition.best_mbar.design_report import DesignBranch as DesignBranch
-    from asmc_pin.condition.best_mbar.design_report import DesignLimit as DesignLimit
-    from asmc_pin.condition.best_mbar.design_report import DesignPoint as DesignPoint
+    from asmc_pin.condition.best_mbar.design_findings import ArmaturePurchase as ArmaturePurchase
+    from asmc_pin.condition.best_mbar.design_findings import DesignBranch as DesignBranch
+    from asmc_pin.condition.best_mbar.design_findings import DesignLimit as DesignLimit
+    from asmc_pin.condition.best_mbar.design_findings import DesignPoint as DesignPoint
+    from asmc_pin.condition.best_mbar.design_findings import WeightedDesign as WeightedDesign
     from asmc_pin.condition.best_mbar.design_report import DesignReport as DesignReport
-    from asmc_pin.condition.best_mbar.design_report import WeightedDesign as WeightedDesign
     from asmc_pin.condition.best_mbar.exchange import DesignProgress as DesignProgress
     from asmc_pin.condition.certificate import CertificateResult as CertificateResult
     from asmc_pin.condition.certificate import ProofProgress as ProofProgress

@@ -26,11 +26,13 @@ class ParameterError(AsmcPinError, ValueError):
 
     Attributes:
         parameter: Name of the offending parameter.
+        said: What is wrong with it, without its name.
     """
 
     def __init__(self, parameter: str, message: str) -> None:
         super().__init__(f"{parameter}: {message}")
         self.parameter = parameter
+        self.said = message_text(message)
 
 
 class ArmError(AsmcPinError):
@@ -68,11 +70,13 @@ class ExperimentError(AsmcPinError):
 
     Attributes:
         key: Path of the offending key, such as ``controllers.PPC.beta``; empty where the TOML itself is broken.
+        said: What is wrong with it, without its path.
     """
 
     def __init__(self, key: str, message: str) -> None:
         super().__init__(f"{key}: {message}" if key else message)
         self.key = key
+        self.said = message_text(message)
 
 
 class ResultError(AsmcPinError):

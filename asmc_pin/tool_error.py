@@ -10,7 +10,6 @@ from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
 from asmc_pin.arms.frame_kinematics import FrameKinematics
 from asmc_pin.engine import Rollout
-from asmc_pin.errors import ParameterError
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,10 +47,7 @@ def tool_error(arm: Arm, run: Rollout, tool: str) -> ToolError:
         ParameterError: there is no such frame, or not every tick of the run is logged.
     """
     run.need_every_tick("the tool's error is")
-    try:
-        kinematics = FrameKinematics(arm, tool)
-    except ParameterError as error:
-        raise ParameterError("tool", str(error).removeprefix("frame: ")) from None
+    kinematics = FrameKinematics(arm, tool, "tool")
     wanted, found = kinematics.poses(run.q_ref), kinematics.poses(run.q)
     position = np.linalg.norm(found[..., :3, 3] - wanted[..., :3, 3], axis=-1)
     turn = np.einsum("...ji,...jk->...ik", wanted[..., :3, :3], found[..., :3, :3])

@@ -15,7 +15,6 @@ from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
 from asmc_pin.arms.frame_kinematics import FrameKinematics
 from asmc_pin.engine import Rollout
-from asmc_pin.errors import ParameterError
 
 POINTS = 100
 """Points of the path at which it is judged, equally far from each other along it."""
@@ -52,10 +51,7 @@ def tool_path(arm: Arm, run: Rollout, tool: str) -> ToolPath:
         ParameterError: there is no such frame, or not every tick of the run is logged.
     """
     run.need_every_tick("the tool's path is")
-    try:
-        kinematics = FrameKinematics(arm, tool)
-    except ParameterError as error:
-        raise ParameterError("tool", str(error).removeprefix("frame: ")) from None
+    kinematics = FrameKinematics(arm, tool, "tool")
     passes = len(run.status)
     if any(status != "ok" for status in run.status):
         return ToolPath(tool, passes, np.inf, np.inf)

@@ -23,8 +23,8 @@ from asmc_pin.controllers import Ppc, Setpoint
 from asmc_pin.plant import Friction, Sensor
 from asmc_pin.sampled import SampledLoop
 from asmc_pin.sampled.frozen_arms import gravity_stiffness
+from asmc_pin.sampled.noise.noise_response import noise_rms, rounding_bound
 from asmc_pin.sampled.noise.sensor_model import LoopSensor
-from asmc_pin.sampled.noise.sensor_noise import noise_rms, rounding_bound
 
 UR5 = load_arm("ur5", armature=[0.5, 0.5, 0.3, 0.05, 0.05, 0.05])
 UR5_MBAR = [0.6228, 0.8771, 0.6488, 0.2616, 0.2080, 0.0198]

@@ -24,7 +24,7 @@ from asmc_pin import load_arm
 from asmc_pin.arms import Arm
 from asmc_pin.condition.domain.joint_box import resolve_box
 from asmc_pin.condition.norm import compiled_norms
-from asmc_pin.condition.search.samples import evaluate, sample_box
+from asmc_pin.condition.search.samples import figures_at, sample_box
 
 
 def plain_loop(arm: Arm, mbar: np.ndarray, q: np.ndarray) -> np.ndarray:
@@ -45,7 +45,7 @@ def main() -> None:
     # Any M̄ costs the same; a fifth of the smallest diagonal is about what Lemma 1 allows.
     mbar = 0.2 * np.diagonal(arm.mass_matrix(q[:1000]), axis1=1, axis2=2).min(axis=0)
     few = q[: max(1, options.configurations // 20)]
-    expected, found = plain_loop(arm, mbar, few), evaluate(compiled_norms.LEMMA1, arm.tree, few, mbar)
+    expected, found = plain_loop(arm, mbar, few), figures_at(compiled_norms.LEMMA1, arm.tree, few, mbar)
     plain = np.inf
     ours = dict.fromkeys(options.threads, np.inf)
     for _ in range(options.repeats):
@@ -54,7 +54,7 @@ def main() -> None:
         plain = min(plain, (perf_counter() - start) / len(few))
         for threads in options.threads:
             start = perf_counter()
-            evaluate(compiled_norms.LEMMA1, arm.tree, q, mbar, threads=threads)
+            figures_at(compiled_norms.LEMMA1, arm.tree, q, mbar, threads=threads)
             ours[threads] = min(ours[threads], (perf_counter() - start) / len(q))
 
     print(f"{arm.name}, {arm.nv} joints, {len(q)} configurations ({len(few)} for the plain loop)")

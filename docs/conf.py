@@ -17,21 +17,22 @@ project = "asmc_pin"
 author = copyright = "The asmc_pin developers"
 html_title = "asmc_pin"
 
-extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinxcontrib.mermaid"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 root_doc = "docs/index"
 include_patterns = ["*.md", "docs/*.md", "docs/*/*.md", "docs/api/*.rst", "benchmarks/README.md", "examples/*.ipynb"]
 exclude_patterns = [".*", "*/.*", "asmc_pin", "build", "dist", "results", "tests", "urdf", "viz"]
 
+# A picture with a width, as a forge takes it.
+myst_enable_extensions = ["html_image"]
 # Headings get the anchors that a forge gives them.
 myst_heading_anchors = 4
-myst_fence_as_directive = ["mermaid"]
 # Notebooks are shown as they were committed; a test runs them.
 nb_execution_mode = "off"
 
 # A signature says the types; what a docstring says of its arguments stands below it.
 autodoc_typehints = "signature"
 autodoc_member_order = "bysource"
-autodoc_default_options = {"members": True, "inherited-members": False}
+autodoc_default_options = {"members": True}
 default_role = "code"
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False

@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Iterable
 from functools import cache
 
-from import_graph import PACKAGE, circles, docstring, folders, layers, reduced, room_graph
+from import_graph import PACKAGE, docstring, folders, layers, room_graph
 from law_oracles import ORACLES
 
 from asmc_pin.arms import ARMS
@@ -22,9 +22,10 @@ from asmc_pin.baselines.model_card import LIMITS, model_card
 from asmc_pin.cli.commands.listing_commands import arm_rows, controller_rows, metric_rows
 from asmc_pin.controllers import CONTROLLERS, TdeLaw
 from asmc_pin.controllers.law_card import law_card, suggested
+from asmc_pin.experiment.arm_keys import ArmTable
 from asmc_pin.experiment.constructors import Signature
 from asmc_pin.experiment.plant_parts import LISTS, TABLES
-from asmc_pin.experiment.toml_keys import ArmTable, EnsembleTable, ExperimentTables, MetricsTable, PlantTable
+from asmc_pin.experiment.toml_keys import EnsembleTable, ExperimentTables, MetricsTable, PlantTable
 from asmc_pin.experiment.toml_values import TomlTable
 from asmc_pin.experiment.tune_table import LimitsTable, TuneTable
 from asmc_pin.metrics import METRICS
@@ -78,6 +79,8 @@ def default(value: object) -> str:
         return "required"
     if value is None:
         return ""
+    if isinstance(value, bool):
+        return f"`{str(value).lower()}`"  # as TOML has it
     if isinstance(value, (int, float)):
         return f"{value:g}"
     return f'`"{value}"`' if isinstance(value, str) else f"`{list(value)}`" if value else ""  # type: ignore[call-overload]
@@ -321,23 +324,6 @@ part("figures")(lambda: table(["figure", "shows"], ([code(n), prose(d.caption)] 
 
 
 # The rooms ------------------------------------------------------------------------------------------------------------
-
-
-def _label(room: str) -> str:
-    folder = PACKAGE / room
-    count = sum(1 for path in folder.rglob("*.py") if path.name != "__init__.py")
-    return f"{room}<br>{count} file{'s' * (count != 1)}" if folder.is_dir() else f"{room}.py"
-
-
-@part("rooms-picture")
-def rooms_picture() -> str:
-    """The rooms and their imports as a graph that Mermaid draws."""
-    graph = room_graph()
-    assert not circles(graph), circles(graph)
-    lines = ["```mermaid", "flowchart TB"]
-    lines += [f'  {room}["{_label(room)}"]' for row in reversed(layers(graph)) for room in row]
-    lines += [f"  {room} --> {other}" for room, others in sorted(reduced(graph).items()) for other in sorted(others)]
-    return "\n".join([*lines, "```"])
 
 
 @part("rooms")

@@ -13,12 +13,16 @@ from pathlib import Path
 
 import site_parts  # noqa: F401  (registers parts)
 from derived_parts import PARTS
+from rooms_drawing import rooms_svg
 
 from asmc_pin.disk.files import write_whole
 from asmc_pin.experiment import experiment_schema_text
 
 ROOT = Path(__file__).resolve().parent.parent
-WHOLE: dict[str, Callable[[], str]] = {"experiments/experiment.schema.json": experiment_schema_text}
+WHOLE: dict[str, Callable[[], str]] = {
+    "docs/images/rooms.svg": rooms_svg,
+    "experiments/experiment.schema.json": experiment_schema_text,
+}
 _PART = re.compile(r"(<!-- begin ([\w-]+) -->\n).*?(<!-- end \2 -->)", re.DOTALL)
 
 

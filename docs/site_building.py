@@ -1,22 +1,26 @@
-"""What the site has and the Markdown files have not: pages of every public name, and links from a name to its page."""
+"""What the site has and the Markdown files have not: pages of every public name, links from a name to its page.
+
+A page that loads anything from another host is an error.
+"""
 
 from __future__ import annotations
 
 import inspect
 import re
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from docutils import nodes
 from public_names import by_room, first_line
+from site_hosts import in_site
 from sphinx.addnodes import pending_xref
+from sphinx.errors import ExtensionError
 from sphinx.transforms import SphinxTransform
 
 import asmc_pin
 from asmc_pin.parameters import parameters_of
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from sphinx.application import Sphinx
 
     from asmc_pin.parameters import Parameter
@@ -41,7 +45,8 @@ def write_name_pages(app: Sphinx) -> None:
         for name in names:
             thing = getattr(asmc_pin, name)
             if inspect.isfunction(thing) or isinstance(thing, type):
-                lines += [f".. auto{'function' if inspect.isfunction(thing) else 'class'}:: asmc_pin.{name}", ""]
+                lines += [f".. auto{'function' if inspect.isfunction(thing) else 'class'}:: asmc_pin.{name}"]
+                lines += ["   :inherited-members:", ""] if _has_hidden_base(thing) else [""]
             else:  # a registry: its docstring would be that of a dictionary
                 lines += [f".. py:data:: {name}", "", f"   {first_line(name)}", ""]
         wanted[folder / f"{room.replace('.', '_')}.rst"] = "\n".join(lines)
@@ -50,6 +55,13 @@ def write_name_pages(app: Sphinx) -> None:
     for path, text in wanted.items():
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
+
+
+def _has_hidden_base(thing: object) -> bool:
+    """Whether a class gets methods from one of ours that has no page, and none from somebody else's."""
+    bases = thing.__mro__[1:-1] if isinstance(thing, type) else ()
+    ours = all(base.__module__.startswith("asmc_pin.") for base in bases)
+    return ours and any(base.__name__ not in asmc_pin.__all__ for base in bases)
 
 
 def plain_marks(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
@@ -113,6 +125,18 @@ def lead_to_the_first_page(app: Sphinx, failed: Exception | None) -> None:
         )
 
 
+def nothing_from_elsewhere(app: Sphinx, failed: Exception | None) -> None:
+    """The site is read without a network: no script, style, font or picture may come from another host.
+
+    Raises:
+        ExtensionError: One does.
+    """
+    if failed is None and app.builder.format == "html":
+        found = [f"{path.relative_to(app.outdir)} loads {address}" for path, address in in_site(Path(app.outdir))]
+        if found:
+            raise ExtensionError("the site would need a network:\n" + "\n".join(found))
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     """Connect all of that to Sphinx."""
     app.connect("builder-inited", write_name_pages)
@@ -120,5 +144,6 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("autodoc-process-docstring", no_types_in_prose, priority=600)
     app.connect("autodoc-process-signature", short_types)
     app.connect("build-finished", lead_to_the_first_page)
+    app.connect("build-finished", nothing_from_elsewhere)
     app.add_transform(NamesAreLinks)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

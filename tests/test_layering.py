@@ -318,6 +318,13 @@ def test_no_two_files_have_one_name() -> None:
     assert not {name for name, count in names.items() if count > 1}
 
 
+def test_no_two_classes_have_one_name() -> None:
+    trees = (ast.parse(path.read_text(encoding="utf-8")) for path in sources().values())
+    names = Counter(node.name for tree in trees for node in tree.body if isinstance(node, ast.ClassDef))
+    assert len(names) > 200
+    assert not {name for name, count in names.items() if count > 1 and not name.startswith("_")}
+
+
 def test_no_file_has_the_name_of_a_public_function_or_class() -> None:
     for package in (name for name, path in sources().items() if path.name == "__init__.py"):
         modules = {name.rpartition(".")[2] for name in sources() if name.rpartition(".")[0] == package}

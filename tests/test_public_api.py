@@ -25,7 +25,8 @@ from asmc_pin.lazy import homes_of
 VERBS = [
     *("load_arm", "lemma1_norm", "weighted_norm", "verify", "certify", "check", "design", "bounds", "stability"),
     *("certify_loop", "export", "load_exported", "identify", "read_log", "mbar_on_log", "law_on_log"),
-    *("suggest_gains", "agree", "load_experiment", "compare", "reproduce", "rollout", "tune", "bench", "view"),
+    *("suggest_gains", "agree", "load_experiment", "compare", "reproduce", "rollout", "sweep", "tune", "bench", "view"),
+    "inspect",
 ]
 
 # Data of a report that only our own code reads: what it is made of may change without notice.

@@ -6,12 +6,16 @@ import ast
 import re
 import tomllib
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import generate
 import pytest
 import typer
+from import_graph import reduced, room_graph
 from paths import REPOSITORY
+from rooms_drawing import placed
+from site_hosts import in_page, in_site
 
 import asmc_pin
 from asmc_pin.cli.dispatch import app
@@ -54,6 +58,77 @@ def test_the_reference_has_every_command_and_every_option() -> None:
     for name, text in sections.items():
         options = [opt for each in group.get_command(None, name).params for opt in each.opts if opt.startswith("-")]
         assert all(re.search(rf"^\| `[^`]*{re.escape(opt)}\b", text, re.MULTILINE) for opt in options), name
+
+
+# Without a network ----------------------------------------------------------------------------------------------------
+
+AWAY = "https://cdn.example.org/a"
+
+
+@pytest.mark.parametrize(
+    "html",
+    [
+        f'<script src="{AWAY}.js"></script>',
+        f'<script type="module">import thing from "{AWAY}.mjs"; thing();</script>',
+        f'<script>const loaded = import("{AWAY}.mjs")</script>',
+        f'<link rel="stylesheet" href="{AWAY}.css">',
+        f"<link rel=preload as=font href={AWAY}.woff2>",
+        f"<style>@font-face {{ src: url({AWAY}.woff2) }}</style>",
+        f'<style>@import "{AWAY}.css";</style>',
+        f'<p style="background: url({AWAY}.png)">x</p>',
+        f'<img src="{AWAY}.png">',
+        f'<img srcset="small.png 1x, {AWAY}.png 2x">',
+        '<img src="//cdn.example.org/a.png">',
+        f'<svg><image href="{AWAY}.png"/></svg>',
+        f'<iframe srcdoc="&lt;img src={AWAY}.png&gt;"></iframe>',
+    ],
+)
+def test_what_a_page_loads_from_another_host_is_found(html: str) -> None:
+    assert len(in_page(html)) == 1
+
+
+@pytest.mark.parametrize(
+    "html",
+    [
+        f'<a href="{AWAY}">a link to follow</a>',
+        f'<link rel="canonical" href="{AWAY}">',
+        '<script src="_static/a.js"></script><img src="data:image/png;base64,xx">',
+        f"<p>import it from &quot;{AWAY}.js&quot;</p>",
+        f'<script>const named = "{AWAY}"; // {AWAY}</script>',
+    ],
+)
+def test_a_link_to_follow_is_nothing_loaded(html: str) -> None:
+    assert not in_page(html)
+
+
+def test_styles_and_scripts_of_a_site_are_looked_at_too(tmp_path: Path) -> None:
+    (tmp_path / "a.css").write_text(f"@import url('{AWAY}.css');")
+    (tmp_path / "a.js").write_text(f'import {{ b }} from "{AWAY}.mjs";')
+    (tmp_path / "a.html").write_text("<link rel=stylesheet href=a.css><script src=a.js></script>")
+    assert [path.name for path, _ in in_site(tmp_path)] == ["a.css", "a.js"]
+
+
+# The picture of the rooms ---------------------------------------------------------------------------------------------
+
+
+def test_the_picture_of_the_rooms_has_them_all_and_every_arrow_points_down() -> None:
+    graph = room_graph()
+    places, ways = placed(graph)
+    assert set(places) == set(graph)
+    assert set(ways) == {(room, other) for room, others in reduced(graph).items() for other in others}
+    assert all(down > up for way in ways.values() for (_, up), (_, down) in pairwise(way))
+    assert all(x == places[pair[0]][0] for pair, ((x, _), *_) in ways.items())
+
+
+def test_in_the_picture_no_boxes_overlap_and_no_arrow_goes_through_one() -> None:
+    places, ways = placed(room_graph())
+    rows: dict[int, list[int]] = {}
+    for x, y in places.values():
+        rows.setdefault(y, []).append(x)
+    assert all(right - left > 112 for row in rows.values() for left, right in pairwise(sorted(row)))
+    for way in ways.values():
+        for x, y in way[1:-1]:
+            assert all(abs(x - at) > 56 for row, ats in rows.items() for at in ats if abs(y - row) <= 15)
 
 
 # What travels ---------------------------------------------------------------------------------------------------------

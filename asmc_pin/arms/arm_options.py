@@ -12,11 +12,12 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.arms.payload import Payload, as_payload
 from asmc_pin.arms.published_armature import PUBLISHED, PUBLISHED_ARMATURE, how_to_measure
-from asmc_pin.arms.registry import ArmEntry, nearest
+from asmc_pin.arms.registry import ArmEntry
 from asmc_pin.arms.urdf.magnitudes import GRAVITY as LARGEST_GRAVITY
 from asmc_pin.arms.urdf.magnitudes import INERTIA, LENGTH
 from asmc_pin.arms.urdf.urdf_reading import Robot
 from asmc_pin.errors import ParameterError
+from asmc_pin.words.nearest_name import nearest
 from asmc_pin.words.provisos import PUBLISHED_ARMATURE_USED, SIMULATED_ARMATURE_USED, Proviso
 from asmc_pin.words.text import printable
 from asmc_pin.words.units import check_angle, check_gravity

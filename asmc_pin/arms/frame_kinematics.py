@@ -10,9 +10,9 @@ from numba import njit
 
 from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.arms.arm import Arm
-from asmc_pin.arms.registry import nearest
 from asmc_pin.errors import ParameterError
 from asmc_pin.rigid_body.leading_axes import joint_rows
+from asmc_pin.words.nearest_name import nearest
 
 
 class FrameKinematics:
@@ -24,19 +24,20 @@ class FrameKinematics:
     Args:
         arm: The arm.
         frame: Name of a link, or of any frame that Pinocchio finds in the URDF.
+        asked_as: What the parameter is called that names it.
 
     Raises:
         ParameterError: There is no such frame.
     """
 
-    def __init__(self, arm: Arm, frame: str) -> None:
+    def __init__(self, arm: Arm, frame: str, asked_as: str = "frame") -> None:
         model = arm.model
         if frame in arm.link_names:
             index = model.getFrameId(frame, pin.FrameType.BODY)
         elif model.existFrame(frame):
             index = model.getFrameId(frame)
         else:
-            raise ParameterError("frame", f"no link '{frame}' in {arm.source.name}; {nearest(frame, arm.link_names)}")
+            raise ParameterError(asked_as, f"no link '{frame}' in {arm.source.name}; {nearest(frame, arm.link_names)}")
         self.frame = frame
         self._joint_names = arm.joint_names
         found = model.frames[index]

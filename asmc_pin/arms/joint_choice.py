@@ -8,10 +8,10 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
-from asmc_pin.arms.registry import nearest
 from asmc_pin.arms.urdf.urdf_reading import Joint, Robot
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.interface import chain_words
+from asmc_pin.words.nearest_name import nearest
 from asmc_pin.words.text import printable
 
 LockValue = float | str | None

@@ -9,10 +9,10 @@ import pinocchio as pin
 
 from asmc_pin._typing import Array
 from asmc_pin.arms.payload import Payload
-from asmc_pin.arms.registry import nearest
 from asmc_pin.arms.urdf.urdf_reading import JOINT_PREFIX, Joint, Robot
 from asmc_pin.errors import ArmError, ParameterError
 from asmc_pin.rigid_body.coupling import Coupling
+from asmc_pin.words.nearest_name import nearest
 
 # Joint angles at which M(q) is examined; any spread will do, it only has to be the same every time.
 _SAMPLES = 16

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import difflib
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
@@ -15,6 +14,7 @@ from asmc_pin.arms.sources.named_descriptions import described, hint
 from asmc_pin.disk.reading import user_path
 from asmc_pin.disk.resources import shipped
 from asmc_pin.errors import ArmError
+from asmc_pin.words.nearest_name import nearest
 from asmc_pin.words.text import printable
 
 
@@ -166,15 +166,6 @@ def package_shares() -> tuple[Path, ...]:
         return (_share(),)
     except ArmError:
         return ()
-
-
-def nearest(name: str, known: Sequence[str], limit: int = 3) -> str:
-    """A phrase that lists the known names nearest to a given one, or all where none is near."""
-    close = difflib.get_close_matches(name.lower(), [k.lower() for k in known], n=limit, cutoff=0.5)
-    found = [k for c in close for k in known if k.lower() == c]
-    if found:
-        return "did you mean " + " or ".join(f"'{k}'" for k in dict.fromkeys(found)) + "?"
-    return "known: " + (", ".join(known) or "none")
 
 
 def find(source: str | Path) -> tuple[Path, ArmEntry | None]:

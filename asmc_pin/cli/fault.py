@@ -20,7 +20,7 @@ from asmc_pin.words.text import printable
 
 BAD_INPUT, FAULT = 2, 4
 
-_OF_THE_ARM = {"armature", "box", "chain", "gravity", "lock", "payload", "repair"}
+_AS_TYPED = {"along", "armature", "bounds", "box", "chain", "gravity", "lock", "mbar", "payload", "repair"}
 """Parameters of functions that are options of commands under the same name."""
 
 _PACKAGE = Path(__file__).resolve().parent.parent
@@ -77,7 +77,7 @@ def status_of(error: BaseException) -> int:
     """Say what an exception means, and give the status to end with."""
     if isinstance(error, AsmcPinError):
         # What an option says is told with the option's name as it was typed.
-        option = isinstance(error, ParameterError) and error.parameter in _OF_THE_ARM
+        option = isinstance(error, ParameterError) and error.parameter in _AS_TYPED
         note(f"--{error}" if option else str(error))
         return BAD_INPUT
     if isinstance(error, KeyboardInterrupt):
@@ -95,11 +95,11 @@ def status_of(error: BaseException) -> int:
         hint = f" (see '{context.command_path} --help')" if context is not None else ""
         note(f"{error.format_message().replace('Value error, ', '').rstrip('.')}{hint}")
         return BAD_INPUT
-    report(error)
+    report_fault(error)
     return FAULT
 
 
-def report(error: BaseException) -> None:
+def report_fault(error: BaseException) -> None:
     """Write the traceback of what nobody foresaw to a file, and say where it is."""
     global _seen
     _seen = True
@@ -136,7 +136,7 @@ def _is_of_the_world(error: OSError) -> bool:
 
 def _report_unless_exit(error: Any) -> None:
     if error is not None and not isinstance(error, SystemExit):
-        report(error)
+        report_fault(error)
 
 
 def _end() -> None:

@@ -78,7 +78,7 @@ def _handle(_number: int, _frame: FrameType | None) -> None:
         raise KeyboardInterrupt
     signal.signal(signal.SIGINT, lambda *_: os._exit(INTERRUPTED))  # who presses it again does not want to wait
     try:
-        discard = getattr(sys.modules.get("asmc_pin.disk.files"), "discard_unfinished", None)
+        discard = getattr(sys.modules.get("asmc_pin.disk.unfinished"), "discard_unfinished", None)
         if discard is not None:
             discard()
         with suppress(OSError):

@@ -7,14 +7,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Annotated, TypeAlias
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
+from asmc_pin.disk.file_access import check_writable
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Condition
 from asmc_pin.words.mistyped import no_number, seconds
 from asmc_pin.words.text import as_number
+
+if TYPE_CHECKING:
+    from asmc_pin.arms import Arm
 
 ArmArgument: TypeAlias = Annotated[
     str, typer.Argument(metavar="ARM", help="A name (see 'asmc-pin arms'), or the path of a URDF or xacro file.")
@@ -101,6 +106,18 @@ def per_joint(text: str, option: str) -> float | list[float]:
     return values[0] if len(values) == 1 else values
 
 
+def check_count(values: float | list[float] | None, option: str, arm: Arm) -> None:
+    """Say how many values are missing, or too many, with the names of the joints that they are for.
+
+    Raises:
+        ParameterError: Neither one value for all nor one for each joint.
+    """
+    if isinstance(values, list) and len(values) != arm.nv:
+        from asmc_pin.experiment.checks.experiment_checks import joints_of
+
+        raise ParameterError(option, f"{len(values)} values given, but {joints_of(arm)}")
+
+
 def value_or_range(text: str, option: str) -> float | Range:
     """``x`` or ``lo:hi`` with lo ≤ hi."""
     lo, colon, hi = text.strip().partition(":")
@@ -146,3 +163,20 @@ def parse_bounds(items: Iterable[str] | None) -> dict[str, tuple[float | None, f
         low, high = (number(end, "--bounds") if end.strip() else None for end in ends)
         bounds[joint] = (low, high)
     return bounds or None
+
+
+def check_output(path: str | None) -> None:
+    """Say that a file cannot be written before anything is computed for it; a folder that is missing is made."""
+    if path is not None and Path(path).parent.exists():
+        check_writable(path)
+
+
+def report_path(text: str | None) -> Path | None:
+    """``--report FILE``; the suffix chooses the form."""
+    if text is None:
+        return None
+    path = Path(text)
+    if path.suffix.lower() not in (".html", ".md"):
+        raise ParameterError("--report", f"'{text}' ends in neither .html nor .md; the ending chooses the form")
+    check_writable(path)
+    return path

@@ -16,7 +16,7 @@ from asmc_pin.condition.checker import check
 from asmc_pin.condition.checker.loop_conclusion import LoopConclusion
 from asmc_pin.condition.hypotheses import Hypotheses
 from asmc_pin.controllers import TdeLaw
-from asmc_pin.disk.files import check_readable
+from asmc_pin.disk.file_access import check_readable
 from asmc_pin.errors import ParameterError
 from asmc_pin.experiment import Experiment
 from asmc_pin.experiment.toml_text import write_toml

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
-from asmc_pin.codegen.c_compiler import compile_c, find_compiler, run_vectors
+from asmc_pin.codegen.c_compiler import EXACT, STRICT, compile_c, find_compiler, run_vectors
 from asmc_pin.codegen.code_provenance import provenance_lines
 from asmc_pin.codegen.experiment_guard import experiment_guard
 from asmc_pin.codegen.exported_code import ABI, CodeText, translate
@@ -86,6 +87,14 @@ class Exported(Shown):
             "compiler": self.compiler,
             "trip": self.trip,
         }
+
+    def check_yourself(self) -> str:
+        """The command that runs the recorded ticks again, here or, with the files there, on the robot's computer."""
+        source = next(path for path in self.files if path.name.endswith("_runner.c"))
+        law = source.with_name(source.name.replace("_runner.c", ".c"))
+        vectors = source.with_name(source.name.replace("_runner.c", "_vectors.csv"))
+        compiling = ["cc", STRICT[0], *EXACT, str(law), str(source), "-o", source.stem, "-lm"]
+        return f"{shlex.join(compiling)} && {shlex.join([f'./{source.stem}', str(vectors)])}"
 
     def lines(self) -> list[str]:
         """What was written, and how it was checked."""

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from asmc_pin.condition.norm.two_conditions import weighted_norm as weighted_norm
     from asmc_pin.condition.search.norm_maps import Heatmap as Heatmap
     from asmc_pin.condition.search.norm_maps import heatmap as heatmap
-    from asmc_pin.condition.search.worst_case import scale_refuted as scale_refuted
-    from asmc_pin.condition.search.worst_case import search_worst as search_worst
+    from asmc_pin.condition.search.worst_of_arm import scale_refuted as scale_refuted
+    from asmc_pin.condition.search.worst_of_arm import search_worst as search_worst
     from asmc_pin.condition.verifying import verify as verify
 
 __getattr__, __dir__, __all__ = load_on_first_use(__name__)

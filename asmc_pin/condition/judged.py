@@ -9,16 +9,14 @@ from asmc_pin.condition.hypotheses import Condition, Hypotheses, Where
 from asmc_pin.words.shown import Shown
 
 
-class Judged(Shown):
-    """A verdict on M̄, searched or proven.
+class AboutMbar(Shown):
+    """What is said of an M̄, or of there being none.
 
     Attributes:
         hypotheses: What it is about: arm, M̄, condition, armature, payload, locked joints, box.
-        notes: What a reader has to know, in plain words.
     """
 
     hypotheses: Hypotheses
-    notes: tuple[str, ...]
 
     @property
     def arm(self) -> str:
@@ -31,11 +29,6 @@ class Judged(Shown):
         return self.hypotheses.joints
 
     @property
-    def mbar(self) -> Array:
-        """Diagonal of M̄, shape (nv,), kg·m²."""
-        return np.array(self.hypotheses.mbar)
-
-    @property
     def condition(self) -> Condition:
         """``lemma1`` or ``weighted``."""
         return self.hypotheses.condition
@@ -44,6 +37,21 @@ class Judged(Shown):
     def formula(self) -> str:
         """The condition as an inequality, its level included."""
         return self.hypotheses.formula
+
+
+class Judged(AboutMbar):
+    """A verdict on M̄, searched or proven.
+
+    Attributes:
+        notes: What a reader has to know, in plain words.
+    """
+
+    notes: tuple[str, ...]
+
+    @property
+    def mbar(self) -> Array:
+        """Diagonal of M̄, shape (nv,), kg·m²."""
+        return np.array(self.hypotheses.mbar)
 
     @property
     def scope(self) -> Where:

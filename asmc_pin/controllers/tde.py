@@ -254,10 +254,6 @@ class TdeLaw(CompiledLaw):
         """What the compiled step needs beyond the rows of (7), a scalar or (nv,) each, from row `OWN` on."""
         return ()
 
-    def estimate_acceleration(self, state: TdeState, sample: Sample) -> TdeState:
-        """The estimate of q̈(t−L) at this tick, in the next state of the estimation; see `tde_terms`."""
-        return self.pole_placement(state, sample, Setpoint(sample.q, sample.v, sample.v))[2]
-
     def pole_placement(self, state: TdeState, sample: Sample, setpoint: Setpoint) -> tuple[Array, Array, TdeState]:
         """The shared control (7), for a law that has its step in numpy.
 

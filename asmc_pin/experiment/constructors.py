@@ -2,30 +2,15 @@
 
 from __future__ import annotations
 
-import difflib
 import functools
 import inspect
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 from asmc_pin.errors import ParameterError
-from asmc_pin.parameters import (
-    REQUIRED,
-    Choice,
-    OptionalScalar,
-    Parameter,
-    PerJoint,
-    Scalar,
-    ScalarOrWord,
-    Values,
-    parameters_of,
-)
-
-_NUMBER = {"type": "number"}
-_LIST = {"type": "array", "items": _NUMBER, "minItems": 1}
-_NESTED = {"type": "array", "items": _LIST, "minItems": 1}
+from asmc_pin.parameters import REQUIRED, Parameter, PerJoint, parameters_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +24,11 @@ class Mistake:
 
     key: str
     message: str
+
+    @classmethod
+    def of(cls, path: str, error: ParameterError) -> Mistake:
+        """What is wrong with a parameter that is given in the table at a path."""
+        return cls(f"{path}.{error.parameter}", error.said)
 
 
 class Signature:
@@ -74,21 +64,8 @@ class Signature:
         item = self.described.get(name)
         if item is None:
             return {}
-        schema: dict[str, Any]
-        if isinstance(item, Choice):
-            schema = {"enum": list(item.options)}
-        elif isinstance(item, (Scalar, OptionalScalar)):
-            schema = dict(_NUMBER)
-        elif isinstance(item, ScalarOrWord):
-            schema = {"anyOf": [_NUMBER, {"enum": list(item.words)}]}
-        elif isinstance(item, Values):
-            kinds = (_NUMBER, _LIST, _NESTED)
-            in_files = (0, 1) if isinstance(item, PerJoint) else item.axes  # a row per trial is for Python alone
-            schema = {"anyOf": [kinds[min(axes, 2)] for axes in in_files]}
-        else:
-            schema = {}
         unit = f", {item.unit}" if item.unit else ""
-        return {**schema, "description": f"{item.meaning}{unit}"}
+        return {**item.schema, "description": f"{item.meaning}{unit}"}
 
 
 @functools.cache  # sweeps ask again and again, and reading a constructor takes a tenth of a millisecond
@@ -101,16 +78,6 @@ def _keywords(cls: type) -> tuple[tuple[inspect.Parameter, ...], bool]:
         takes_any = any(item.kind is item.VAR_KEYWORD for item in parameters)
     kinds = inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY
     return tuple(item for item in parameters if item.kind in kinds), takes_any
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """Advice on an unknown name: the nearest known one if there is one, else all of them."""
-    names = list(known)
-    lower = {item.lower(): item for item in reversed(names)}
-    found = difflib.get_close_matches(name.lower(), lower, n=1, cutoff=0.6)
-    if found:
-        return f"did you mean '{lower[found[0]]}'?"
-    return f"known are {', '.join(names)}" if names else "none is known here"
 
 
 def construct(cls: type, values: Mapping[str, Any], path: str) -> tuple[Any, list[Mistake]]:
@@ -130,7 +97,6 @@ def construct(cls: type, values: Mapping[str, Any], path: str) -> tuple[Any, lis
     try:
         return cls(**values), []
     except ParameterError as error:
-        key = f"{path}.{error.parameter}"
-        return None, [Mistake(key, str(error).removeprefix(f"{error.parameter}: "))]
+        return None, [Mistake.of(path, error)]
     except (Exception, SystemExit) as error:  # a law of the user's own may raise anything
         return None, [Mistake(path, f"{cls.__name__} refuses these parameters: {type(error).__name__}: {error}")]

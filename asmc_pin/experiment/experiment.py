@@ -14,11 +14,12 @@ from asmc_pin._typing import Array
 from asmc_pin.arms import Arm, arm_names, load_arm
 from asmc_pin.arms.loading import load_carried
 from asmc_pin.arms.robot_limits import ROBOT_LIMITS, RobotLimits
-from asmc_pin.arms.sources.carried import Carried
+from asmc_pin.arms.sources.carried import CarriedUrdf
 from asmc_pin.baselines import knows_model
 from asmc_pin.controllers import Controller, Sample, Setpoint
 from asmc_pin.errors import ExperimentError, ParameterError
-from asmc_pin.experiment import experiment_checks
+from asmc_pin.experiment.checks import controller_checks, experiment_checks
+from asmc_pin.experiment.checks.tune_checks import tune_problems
 from asmc_pin.experiment.constructors import Mistake
 from asmc_pin.experiment.law_lookup import is_own
 from asmc_pin.experiment.measured_values import with_values
@@ -26,7 +27,6 @@ from asmc_pin.experiment.named_robot import tighter_rate, trip_limits
 from asmc_pin.experiment.plant_parts import LISTS, TABLES, plant_parts
 from asmc_pin.experiment.toml_keys import ExperimentTables
 from asmc_pin.experiment.toml_text import parse_toml, write_toml
-from asmc_pin.experiment.tune_checks import tune_problems
 from asmc_pin.experiment.variation.axes import Variation
 from asmc_pin.experiment.variation.sweep_table import sweep_problems, variation_of
 from asmc_pin.metrics import MetricSettings
@@ -34,6 +34,7 @@ from asmc_pin.plant import Plant
 from asmc_pin.references import OnAnArm, Reference
 from asmc_pin.words.interface import speaking
 from asmc_pin.words.shown import Cells, Shown
+from asmc_pin.words.text import counted
 
 
 class Experiment(Shown, ExperimentTables):
@@ -49,7 +50,7 @@ class Experiment(Shown, ExperimentTables):
     _text: str | None = PrivateAttr(default=None)
     _import_laws: bool = PrivateAttr(default=True)
     _arm: Arm | None = PrivateAttr(default=None)
-    _carried: Carried | None = PrivateAttr(default=None)
+    _carried: CarriedUrdf | None = PrivateAttr(default=None)
     _reference: Reference | None = PrivateAttr(default=None)
 
     @classmethod
@@ -99,7 +100,7 @@ class Experiment(Shown, ExperimentTables):
         problems += experiment_checks.reference_problems(content.get("reference"), folder)[1]
         problems += plant_parts(content.get("plant"))[1]
         problems += experiment_checks.delay_problems(content)
-        problems += experiment_checks.controller_problems(content, folder, import_laws)[1]
+        problems += controller_checks.controller_problems(content, folder, import_laws)[1]
         problems += tune_problems(content, folder, import_laws)
         return tables, problems
 
@@ -140,10 +141,8 @@ class Experiment(Shown, ExperimentTables):
 
     def lines(self) -> list[str]:
         """What it is about: arm, motion, timing."""
-        carried = self.arm.model_dump(exclude={"source"}, exclude_none=True, exclude_defaults=True)
-        options = "".join(f", {key} {value}" for key, value in carried.items())
         return [
-            f"{self.name}: {len(self.controllers)} controllers on {self.arm.source}{options}",
+            f"{self.name}: {counted(len(self.controllers), 'controller')} on {self.arm.words()}",
             f"motion: {self.reference['kind']}, {self.duration:g} s in periods of {self.period:g} s; seed {self.seed}",
         ]
 
@@ -185,8 +184,7 @@ class Experiment(Shown, ExperimentTables):
                     else:
                         self._arm = load_arm(source, run_xacro=self._import_laws, **options)
             except ParameterError as error:
-                text = str(error).removeprefix(f"{error.parameter}: ")
-                experiment_checks.fail([Mistake(f"arm.{error.parameter}", text)], self._origin)
+                experiment_checks.fail([Mistake.of("arm", error)], self._origin)
         assert self._arm is not None
         return self._arm
 
@@ -210,8 +208,7 @@ class Experiment(Shown, ExperimentTables):
             try:
                 reference = reference.on(arm)
             except ParameterError as error:
-                text = str(error).removeprefix(f"{error.parameter}: ")
-                problems = [Mistake(f"reference.{error.parameter}", text)]
+                problems = [Mistake.of("reference", error)]
         experiment_checks.fail(
             problems or experiment_checks.motion_problems(reference, arm, self.duration), self._origin
         )
@@ -235,8 +232,8 @@ class Experiment(Shown, ExperimentTables):
             told = "its law is code of somebody's own, and this experiment was read without importing any"
             experiment_checks.fail([Mistake(f"controllers.{label}.law", told) for label in own], self._origin)
         arm = self.build_arm()
-        experiment_checks.fail(experiment_checks.controller_size_problems(self, self._folder, arm), self._origin)
-        made, problems = experiment_checks.controller_problems(self._data, self._folder)
+        experiment_checks.fail(controller_checks.controller_size_problems(self, self._folder, arm), self._origin)
+        made, problems = controller_checks.controller_problems(self._data, self._folder)
         at_rest = np.zeros((1, arm.nv))
         for label, law in made.items() if not problems else ():
             try:
@@ -244,8 +241,7 @@ class Experiment(Shown, ExperimentTables):
                     law = made[label] = law.with_arm(self.build_plant().arm)
                 law.init(Sample(at_rest, at_rest.copy(), at_rest.copy()))
             except ParameterError as error:
-                text = str(error).removeprefix(f"{error.parameter}: ")
-                problems.append(Mistake(f"controllers.{label}.{error.parameter}", text))
+                problems.append(Mistake.of(f"controllers.{label}", error))
             except Exception as error:
                 if not is_own(self.controllers[label]["law"]):
                     raise
@@ -274,8 +270,7 @@ class Experiment(Shown, ExperimentTables):
         try:
             return Plant(arm, seed=self.seed, first_trial=self.trial, **options)
         except ParameterError as error:
-            text = str(error).removeprefix(f"{error.parameter}: ")
-            raise ExperimentError(f"plant.{error.parameter}", text) from error
+            raise ExperimentError(f"plant.{error.parameter}", error.said) from error
 
     @property
     def robot_limits(self) -> RobotLimits | None:
@@ -299,6 +294,6 @@ class Experiment(Shown, ExperimentTables):
         )
 
 
-def take_carried_arm(experiment: Experiment, carried: Carried | None) -> None:
+def take_carried_arm(experiment: Experiment, carried: CarriedUrdf | None) -> None:
     """Have an experiment take its arm from the URDF that went along with a result, and run no xacro file."""
     experiment._carried = carried

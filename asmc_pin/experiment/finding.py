@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,6 +12,7 @@ from asmc_pin.disk.resources import shipped
 from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment.measured_values import read_measured, with_measured
 from asmc_pin.experiment.toml_text import LARGEST, read_toml
+from asmc_pin.words.nearest_name import nearest
 from asmc_pin.words.text import printable
 
 if TYPE_CHECKING:
@@ -76,8 +76,7 @@ def find_experiment(source: str | Path) -> Path:
         raise ExperimentError("", f"{shown(path)} is a folder, an experiment is a TOML file{hint}")
     if there:
         return path
-    near = difflib.get_close_matches(str(source), names, n=1)
-    hint = f"did you mean '{near[0]}'?" if near else f"shipped are {', '.join(names)}"
+    hint = nearest(str(source), names, "shipped are")
     name = printable(str(source))
     raise ExperimentError("", f"there is no experiment '{name}', neither a file nor a shipped one; {hint}")
 

@@ -13,7 +13,7 @@ from types import ModuleType
 from asmc_pin.baselines import BASELINES
 from asmc_pin.controllers import CONTROLLERS
 from asmc_pin.errors import ExperimentError
-from asmc_pin.experiment.constructors import nearest
+from asmc_pin.words.nearest_name import nearest
 
 LAWS: dict[str, type] = {**CONTROLLERS, **BASELINES}
 """Every law of the package by its name: those that are blind to the arm, and those that know the model."""

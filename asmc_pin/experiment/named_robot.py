@@ -12,8 +12,9 @@ from pydantic import BeforeValidator, WithJsonSchema
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
 from asmc_pin.arms.robot_limits import LIMITED_QUANTITIES, ROBOT_LIMITS, RobotLimits
-from asmc_pin.experiment.constructors import Mistake, nearest
+from asmc_pin.experiment.constructors import Mistake
 from asmc_pin.metrics import Trip, TripLimits
+from asmc_pin.words.nearest_name import nearest
 
 
 def _known(value: Any) -> Any:

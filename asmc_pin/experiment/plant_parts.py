@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from asmc_pin.experiment.constructors import Mistake, Signature, construct, nearest
+from asmc_pin.experiment.constructors import Mistake, Signature, construct
 from asmc_pin.plant import Disturbance, Drive, EndStops, Friction, PayloadChange, Sensor, Spread
+from asmc_pin.words.nearest_name import nearest
 
 TABLES: dict[str, type] = {
     "friction": Friction,

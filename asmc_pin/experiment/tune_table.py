@@ -7,9 +7,9 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema
 
-from asmc_pin.experiment.constructors import nearest
 from asmc_pin.experiment.toml_values import PositivePerJoint, TomlTable
 from asmc_pin.metrics import METRICS
+from asmc_pin.words.nearest_name import nearest
 
 MOST_DRAWS = 10_000
 OBJECTIVES = tuple(name for name, metric in METRICS.items() if metric.best == "smallest")

@@ -14,7 +14,8 @@ from asmc_pin.condition import verify
 from asmc_pin.condition.domain.joint_box import Box, BoxLike, resolve_box
 from asmc_pin.condition.norm.two_conditions import Condition
 from asmc_pin.condition.search.worst_case import SAMPLES
-from asmc_pin.disk.files import check_writable, write_whole
+from asmc_pin.disk.file_access import check_writable
+from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import ParameterError
 from asmc_pin.exploring.explored_arm import Gains, KnownBoxes, described
 from asmc_pin.exploring.explorer_page import explorer_page

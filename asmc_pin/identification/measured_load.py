@@ -48,7 +48,7 @@ def measured_load(found: Identification) -> MeasuredLoad | None:
     added = found.parameters.get("payload.mass")
     if added is None or found.fit is None:
         return None
-    link, own = last_link(found.arm), found.arm.payload
+    link, own = link_of_last_joint(found.arm), found.arm.payload
     fit, model = found.fit, found.fit.model
     own_mass, own_moment, own_inertia = (0.0, np.zeros(3), np.zeros((3, 3))) if own is None else _of(found.arm, own)
     mass = added.value + own_mass
@@ -73,7 +73,7 @@ def measured_load(found: Identification) -> MeasuredLoad | None:
     )
 
 
-def last_link(arm: Arm) -> str:
+def link_of_last_joint(arm: Arm) -> str:
     """The link that the last joint moves: in its frame the centre of mass stands."""
     last = arm.model.njoints - 1
     frames = [frame for frame in arm.model.frames if frame.parentJoint == last and frame.name in arm.link_names]

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import nnls
@@ -26,6 +27,7 @@ _MOST_ROWS = 500
 _HEAVIEST = 10.0  # payload over the mass of the whole arm
 _LIGHTEST = 1.5  # what is taken away over the mass of the last body
 _ROUNDS = 4
+_VELOCITIES = (0.0, 0.0, ("--columns", "v=-"))  # of a suspicion: no scores, and the angles' derivative does instead
 _FACTORS = {1e-3: "N·mm", 1e3: "kN·m", 1e-2: "N·cm"}
 
 
@@ -61,11 +63,20 @@ class Suspicion:
         text: What is wrong, and what to do.
         score: With it put right.
         before: Without.
+        options: Words of the command line that put it right; empty where it takes other columns, or another URDF.
     """
 
     text: str
     score: float
     before: float
+    options: tuple[str, ...] = ()
+
+
+class _Change(NamedTuple):
+    text: str
+    view: View
+    model: Array
+    options: tuple[str, ...] = ()
 
 
 def view_of(arm: Arm, motion: FilteredMotion) -> View:
@@ -90,16 +101,17 @@ def suspect(arm: Arm, motion: FilteredMotion, log: JointLog) -> list[Suspicion]:
     model = here.model()
     score = _score(here, model)
     for _ in range(_ROUNDS):
-        tried = [(_score(view, torque), text, view, torque) for text, view, torque in _changes(here, model)]
-        best = min(tried, key=lambda item: item[0])
+        tried = [(_score(change.view, change.model), change) for change in _changes(here, model)]
+        least, best = min(tried, key=lambda item: item[0])
         # What may be carried is not known yet: a change counts where it is worth naming beside a payload too.
-        laden = [_score(view, torque + _carried(view, torque)) for view, torque in ((here, model), best[2:])]
-        if best[0] > score - _GAIN or laden[1] > laden[0] - _GAIN:
+        pairs = ((here, model), (best.view, best.model))
+        laden = [_score(view, torque + _carried(view, torque)) for view, torque in pairs]
+        if least > score - _GAIN or laden[1] > laden[0] - _GAIN:
             break
-        ties = [text for other, text, _, _ in tried if other < best[0] + _TIE and text != best[1]]
+        ties = [change.text for other, change in tried if other < least + _TIE and change is not best]
         also = f"; just as well: {'; or '.join(ties[:2])}" if ties else ""
-        found.append(Suspicion(f"{best[1]}{also}", best[0], score))
-        score, _, here, model = best
+        found.append(Suspicion(f"{best.text}{also}", least, score, () if ties else best.options))
+        score, here, model = least, best.view, best.model
     return found
 
 
@@ -116,20 +128,24 @@ def _score(view: View, model: Array) -> float:
     return float(np.mean(left))
 
 
-def _changes(view: View, model: Array) -> Iterator[tuple[str, View, Array]]:
+def _changes(view: View, model: Array) -> Iterator[_Change]:
     nv, names = view.arm.nv, [quoted(name) for name in view.arm.joint_names]
 
-    def moved(text: str, torque: Array, **motion: Array) -> tuple[str, View, Array]:
+    def moved(text: str, torque: Array, *options: str, **motion: Array) -> _Change:
         other = View(view.arm, motion["q"], motion["v"], motion["a"], torque)
-        return text, other, other.model()
+        return _Change(text, other, other.model(), options)
+
+    def scaled(text: str, factors: Array) -> _Change:
+        given = ",".join(f"{factor:g}" for factor in factors)
+        return _Change(text, replace(view, torque=view.torque * factors), model, ("--motor-constant", given))
 
     for j in range(nv):
         sign = np.where(np.arange(nv) == j, -1.0, 1.0)
         flipped = {"q": view.q * sign, "v": view.v * sign, "a": view.a * sign}
-        yield f"the torque of joint {names[j]} has the opposite sign", replace(view, torque=view.torque * sign), model
+        yield scaled(f"the torque of joint {names[j]} has the opposite sign", sign)
         yield moved(f"the angle of joint {names[j]} has the opposite sign", view.torque, **flipped)
         yield moved(f"angle and torque of joint {names[j]} have the opposite sign", view.torque * sign, **flipped)
-    yield "all torques have the opposite sign", replace(view, torque=-view.torque), model
+    yield scaled("all torques have the opposite sign", np.array([-1.0]))
     orders = [
         (f"joints {names[i]} and {names[j]} are swapped", _swapped(nv, i, j)) for i in range(nv) for j in range(i)
     ]
@@ -137,7 +153,7 @@ def _changes(view: View, model: Array) -> Iterator[tuple[str, View, Array]]:
         orders.append(("the joints stand in reverse order, tip first", np.arange(nv, dtype=np.int64)[::-1]))
     for text, order in orders:
         rows = {"q": view.q[:, order], "v": view.v[:, order], "a": view.a[:, order]}
-        yield (
+        yield _Change(
             f"the torques of {text}" if text[0] == "j" else text + " (torques)",
             replace(view, torque=view.torque[:, order]),
             model,
@@ -145,14 +161,14 @@ def _changes(view: View, model: Array) -> Iterator[tuple[str, View, Array]]:
         yield moved(f"the angles of {text}" if text[0] == "j" else text + " (angles)", view.torque, **rows)
         yield moved(text, view.torque[:, order], **rows)
     for factor, unit in _FACTORS.items():
-        yield f"the torques are in {unit}, not N·m", replace(view, torque=view.torque * factor), model
+        yield scaled(f"the torques are in {unit}, not N·m", np.array([factor]))
     turning = np.array([kind == "revolute" for kind in view.arm.joint_kinds])
-    for factor, text in (
-        (np.deg2rad(1.0), "the angles are in degrees, not rad"),
-        (2.0 * np.pi, "the angles are in turns"),
+    for factor, text, options in (
+        (np.deg2rad(1.0), "the angles are in degrees, not rad", ("--degrees",)),
+        (2.0 * np.pi, "the angles are in turns", ()),
     ):
         scale = np.where(turning, factor, 1.0)
-        yield moved(text, view.torque, q=view.q * scale, v=view.v * scale, a=view.a * scale)
+        yield moved(text, view.torque, *options, q=view.q * scale, v=view.v * scale, a=view.a * scale)
     yield _along_gravity(view, model)
 
 
@@ -162,7 +178,7 @@ def _swapped(nv: int, i: int, j: int) -> IntArray:
     return order
 
 
-def _along_gravity(view: View, model: Array) -> tuple[str, View, Array]:
+def _along_gravity(view: View, model: Array) -> _Change:
     """The direction of gravity that explains the torques best, of the magnitude that the arm is loaded with."""
     axes = (view.arm.replace(gravity=9.81 * axis) for axis in np.eye(3))
     unit = np.stack([arm.gravity(view.q) / 9.81 for arm in axes], axis=-1)
@@ -177,7 +193,7 @@ def _along_gravity(view: View, model: Array) -> tuple[str, View, Array]:
         new = old  # nothing to be named
     text = f"gravity points along ({told}) m/s² in the base frame, {angle:.0f}° from what was assumed; give gravity so"
     arm = view.arm.replace(gravity=new)
-    return text, replace(view, arm=arm), model + unit @ (new - old)
+    return _Change(text, replace(view, arm=arm), model + unit @ (new - old), ("--gravity", told.replace(" ", "")))
 
 
 def _carried(view: View, model: Array) -> Array:
@@ -230,12 +246,14 @@ def _of_velocities(motion: FilteredMotion, log: JointLog) -> Iterator[Suspicion]
         if match[j] < 0.8 and match.max() > 0.95:
             other = log.joint_names[int(match.argmax())]
             yield Suspicion(
-                f"the velocity of joint {quoted(name)} is that of {quoted(other)}: their order is wrong", 0.0, 0.0
+                f"the velocity of joint {quoted(name)} is that of {quoted(other)}: their order is wrong",
+                *_VELOCITIES,
             )
         elif match[j] > 0.8 and slope < 0.0:
-            yield Suspicion(f"the velocity of joint {quoted(name)} has the opposite sign of its angle", 0.0, 0.0)
+            yield Suspicion(f"the velocity of joint {quoted(name)} has the opposite sign of its angle", *_VELOCITIES)
         elif match[j] > 0.8 and not 0.8 < slope < 1.25:
             unit = "; it is in degrees/s" if 50.0 < slope < 65.0 else "; angles are in degrees" if slope < 0.02 else ""
             yield Suspicion(
-                f"the velocity of joint {quoted(name)} is {slope:.3g} times the derivative of its angle{unit}", 0.0, 0.0
+                f"the velocity of joint {quoted(name)} is {slope:.3g} times the derivative of its angle{unit}",
+                *_VELOCITIES,
             )

@@ -78,7 +78,7 @@ def fit(model: TorqueModel, rows: BoolArray, free: BoolArray, start: Array | Non
 def _fitted(model: TorqueModel, rows: BoolArray, free: BoolArray, start: Array | None, body: LastBody | None) -> Fit:
     values = model.start() if start is None else start.copy()
     places = np.flatnonzero(free).astype(np.int64)
-    lower, upper = bounds(model, places)
+    lower, upper = allowed_values(model, places)
     values[places] = np.clip(values[places], lower, upper)
     within = None if body is None else (body, payload_entries(model, places))
     residual, jacobian = model.residual(values)
@@ -132,7 +132,7 @@ def _cost(residual: Array, sigma: Array, rows: BoolArray) -> float:
     return float(np.sum(((residual / sigma)[rows]) ** 2))
 
 
-def bounds(model: TorqueModel, places: IntArray) -> tuple[Array, Array]:
+def allowed_values(model: TorqueModel, places: IntArray) -> tuple[Array, Array]:
     """Least and greatest values that parameters may have."""
     kinds = [model.names[i].split(":")[0] for i in places]
     lower = np.array([LEAST.get(kind, -np.inf) for kind in kinds])

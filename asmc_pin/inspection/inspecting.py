@@ -9,8 +9,9 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.arms import Arm
+from asmc_pin.arms.assembling import Recipe, Unjudged, assemble, put_together
 from asmc_pin.arms.bodies.at_a_glance import axes_at_zero
-from asmc_pin.arms.loading import Recipe, Unjudged, assemble, put_together, recipe_of
+from asmc_pin.arms.loading import recipe_of
 from asmc_pin.arms.urdf.urdf_document import parsed_again
 from asmc_pin.errors import ArmError
 from asmc_pin.inspection.body_doubts import body_doubts

@@ -16,7 +16,7 @@ from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import ArmError
 from asmc_pin.inspection.subject_of_doubt import Doubt
 from asmc_pin.words.provisos import Proviso, provisos_json
-from asmc_pin.words.shown import UNDEFINED, Cells, Shown, aligned
+from asmc_pin.words.shown import UNDEFINED, Cells, Shown
 from asmc_pin.words.text import printable, quoted
 
 
@@ -171,9 +171,13 @@ class Inspection(Shown):
         ]
         return ["moves with", "mass kg", "centre m, joint's frame", "radii of gyration m", "links"], rows
 
+    def tables(self) -> list[Cells]:
+        """The joints, and the bodies that they move."""
+        return [self.table(), self.bodies()]
+
     def remarks(self) -> list[str]:
-        """The bodies, then the doubts and the notes."""
-        said = ["", *aligned(self.bodies())]
+        """What does not move, then the doubts and the notes."""
+        said: list[str] = []
         if self.standing:
             more = f" and {len(self.standing) - 6} more" if len(self.standing) > 6 else ""
             said.append("stands still: " + ", ".join(map(quoted, self.standing[:6])) + more)

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.arms.assembling import Unjudged
 from asmc_pin.arms.bodies.moving_bodies import MovingBody
-from asmc_pin.arms.loading import Unjudged
 from asmc_pin.words.text import quoted
 
 

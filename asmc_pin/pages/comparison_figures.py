@@ -12,10 +12,24 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FixedLocator
+from matplotlib.transforms import ScaledTranslation
 
 from asmc_pin._typing import Array
 from asmc_pin.pages.curves import running_max, spread, thinned
-from asmc_pin.pages.figure_style import BAND, COLUMN, GREY, PAGE, line_look, paper_style, save, shade, shade_sizes
+from asmc_pin.pages.figure_style import (
+    BAND,
+    COLUMN,
+    GREY,
+    PAGE,
+    fitted,
+    folded,
+    line_look,
+    paper_style,
+    save,
+    shade,
+    shade_sizes,
+)
 from asmc_pin.pages.summary_tables import short_names
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.words.media import for_figure
@@ -128,7 +142,7 @@ def gains_and_s_figure(dataset: xr.Dataset, limit: Array) -> Figure:
     time = dataset.time.to_numpy()
     far_apart = spread(s) > FAR_APART
     for i, name in enumerate(_titles(dataset)):
-        axes[i, 0].set_title(name, loc="left")
+        _title(axes[i, 0], name, 72.0 * width / columns)
         metre = "m" if dataset.joint_kind.to_numpy()[i] == "prismatic" else "rad"
         for _, color, k in _controllers(dataset):
             _line(axes[i, -1], k, color, *thinned(time, s[k, :, i]), linewidth=0.6)
@@ -143,7 +157,9 @@ def gains_and_s_figure(dataset: xr.Dataset, limit: Array) -> Figure:
             axes[i, 0].yaxis.set_label_coords(-0.12, 0.5)
         axes[i, -1].yaxis.set_label_coords(-0.15, 0.5)
         if far_apart:
-            axes[i, -1].set_yscale("symlog", linthresh=_linear_until(s[:, :, i]))
+            linear = _linear_until(s[:, :, i])
+            axes[i, -1].set_yscale("symlog", linthresh=linear)
+            axes[i, -1].yaxis.set_major_locator(FixedLocator(_symmetric_ticks(axes[i, -1].get_ylim(), linear)))
     _finish(figure, axes[-1], dataset)
     return figure
 
@@ -166,9 +182,14 @@ def torques_figure(dataset: xr.Dataset, limit: Array) -> Figure:
                 for side in (-limit[i], limit[i]):
                     axis.axhline(side, color=GREY, linestyle="--", linewidth=0.6)
             if i == 0:
-                axis.set_title(label)
-        axes[i, 0].set_ylabel(f"{name}\n" + rf"$\tau_{{{i + 1}}}$ [{unit}]")
-        axes[i, 0].yaxis.set_label_coords(-0.2, 0.5)  # one below the other; aligning them afterwards costs seconds
+                text, size = fitted(label, 72.0 * PAGE / len(controllers) - 14.0)
+                axis.set_title(text, fontsize=size)
+        lines = [fitted(line, 66.0) for line in folded(name).split("\n")]  # a panel is some 70 pt high
+        said = "\n".join(line for line, _ in lines) + "\n" + rf"$\tau_{{{i + 1}}}$ [{unit}]"
+        axes[i, 0].set_ylabel(said, fontsize=min(size for _, size in lines))
+        # One below the other, beside figures of five signs; aligning them afterwards costs seconds.
+        beside = ScaledTranslation(-27.0 / 72.0, 0.0, figure.dpi_scale_trans)
+        axes[i, 0].yaxis.set_label_coords(0.0, 0.5, transform=axes[i, 0].transAxes + beside)
     for axis in axes[-1]:
         axis.set_xlabel(TIME)
     _whole_run(figure, time)
@@ -191,13 +212,19 @@ def _joint_grid(dataset: xr.Dataset) -> tuple[Figure, list[Axes]]:
     for axis in axes[count:]:
         axis.remove()
     for i, (axis, name) in enumerate(zip(axes, _titles(dataset), strict=False)):
-        axis.set_title(name, loc="left")
+        _title(axis, name, 72.0 * size[0] / columns)
         if i + columns >= count:  # nothing below it
             axis.tick_params(labelbottom=True)
         if i // columns == rows - 1:
             axis.set_xlabel(TIME)
     _whole_run(figure, dataset.time.to_numpy())
     return figure, axes[:count]
+
+
+def _title(axis: Axes, name: str, room: float) -> None:
+    """A joint's name above its panel, which has so much of the figure's width, pt, its labels included."""
+    text, size = fitted(name, room - 42.0)
+    axis.set_title(text, loc="left", fontsize=size)
 
 
 def _titles(dataset: xr.Dataset) -> list[str]:
@@ -221,6 +248,17 @@ def _linear_until(values: Array) -> float:
     largest = np.fmax.reduce(np.abs(values), axis=1)
     smallest = np.min(largest[np.isfinite(largest) & (largest > 0.0)], initial=np.inf)
     return float(10.0 ** np.floor(np.log10(smallest))) if np.isfinite(smallest) else 1.0
+
+
+def _symmetric_ticks(view: tuple[float, float], linear: float) -> list[float]:
+    """Zero and powers of ten to both sides, so far apart on a symmetric logarithmic axis that five labels fit.
+
+    Zero and the end of the linear part are as far apart as two powers of ten.
+    """
+    reach = [1.0 + np.log10(max(abs(end) / linear, 0.1)) for end in view]
+    apart = max(1, int(np.ceil(sum(reach) / 4.5)))
+    sides = [linear * 10.0 ** (np.arange(apart, end + 1e-9, apart) - 1.0) for end in reach]
+    return [*(-sides[0][::-1]).tolist(), 0.0, *sides[1].tolist()]
 
 
 def _angle(dataset: xr.Dataset, joint: int) -> tuple[float, str]:

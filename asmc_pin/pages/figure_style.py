@@ -24,6 +24,9 @@ _MARKERS = "os^Dv<>P"
 
 GREY = "#7F7F7F"
 
+_SMALLEST = 5.0
+"""Letters of a name, pt."""
+
 BAND = (
     "Lines: the first trial. Shaded, where there are several trials: 5 % to 95 % of them at each tick, "
     "as far as three times the line's largest value."
@@ -78,14 +81,43 @@ def line_look(controller: int, color: str, points: int = 0) -> dict[str, Any]:
         Keywords of `matplotlib.axes.Axes.plot`.
     """
     step = max(1, points // 7)
+    # Of nine and more the markers come again, with other dashes.
+    dashes = (controller + controller // len(_MARKERS)) % len(_DASHES)
     return {
         "color": color,
-        "linestyle": _DASHES[controller % len(_DASHES)],
+        "linestyle": _DASHES[dashes],
         "marker": _MARKERS[controller % len(_MARKERS)],
         "markersize": 2.4 if points else 3.5,
         "markeredgewidth": 0.0,
         "markevery": (controller % 5 * step // 5, step) if points else None,  # those of two lines lie apart
     }
+
+
+def dot_look(controller: int, color: str) -> dict[str, Any]:
+    """The same of a controller's dots."""
+    marker = _MARKERS[controller % len(_MARKERS)]
+    return {"color": color, "linestyle": "none", "marker": marker, "markersize": 2.6, "markeredgewidth": 0.0}
+
+
+def fitted(name: str, room: float) -> tuple[str, float]:
+    """A name and the size of its letters, pt, with which it takes no more than its room, pt; cut in its middle at last.
+
+    A letter of this type is half as wide as it is high, in the mean.
+    """
+    size = min(8.0, 2.0 * room / max(1, len(name)))
+    if size >= _SMALLEST:
+        return name, size
+    kept = max(2, int(2.0 * room / _SMALLEST)) - 1
+    return f"{name[: -(-kept // 2)]}…{name[len(name) - kept // 2 :]}", _SMALLEST
+
+
+def folded(name: str) -> str:
+    """A long name in two lines, broken after the underscore that is nearest to its middle."""
+    breaks = [at + 1 for at, letter in enumerate(name) if letter == "_"]
+    if len(name) <= 14 or not breaks:
+        return name
+    at = min(breaks, key=lambda place: abs(place - len(name) / 2))
+    return f"{name[:at]}\n{name[at:]}"
 
 
 @contextmanager

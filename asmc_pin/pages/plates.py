@@ -39,7 +39,8 @@ class Plate:
     def html(self) -> str:
         """The figure inside the page."""
         data = base64.b64encode(self.png()).decode()
-        image = f'<img alt="{for_html(self.caption)}" src="data:image/png;base64,{data}">'
+        width = f"--width: {self.figure.get_figwidth():.3g}in"  # on paper; on a screen it is as wide as its pixels
+        image = f'<img alt="{for_html(self.caption)}" style="{width}" src="data:image/png;base64,{data}">'
         return f'<figure><div class="paper">{image}</div><figcaption>{for_html(self.caption)}</figcaption></figure>'
 
     def markdown(self, before: str) -> list[str]:

@@ -57,7 +57,9 @@ def theorem_figure(monitors: xr.Dataset) -> Figure:
         one = monitors.sel(controller=label)
         part.suptitle(for_figure(label), x=0.02, ha="left", color=colors[label], fontsize=8.0)
         _own_panels(part.subplots(2, 2), one)
-        joints = [Line2D([], [], color=_joint_color(i), label=f"joint {i + 1}") for i in range(one.sizes["joint"])]
+        joints = [
+            Line2D([], [], label=f"joint {i + 1}", **line_look(i, _joint_color(i))) for i in range(one.sizes["joint"])
+        ]
         part.legend(handles=joints, loc="outside upper right", ncols=len(joints), fontsize=6.5)
     for axis in figure.axes:
         axis.set_xlim(monitors.time[0], monitors.time[-1])
@@ -101,7 +103,7 @@ def _own_panels(axes: Array, one: xr.Dataset) -> None:
     (gains, lyapunov), (decrease, size) = axes
     for i in range(one.sizes["joint"]):
         middle, largest = running_max(time, one.gain.to_numpy()[:, i])
-        gains.plot(*_positive(middle, largest), color=_joint_color(i))
+        gains.plot(*_positive(middle, largest), **line_look(i, _joint_color(i), len(middle)))
         bound = thinned(time, one.gain_bound.to_numpy()[:, i])
         gains.plot(*bound, color=_joint_color(i), linestyle=":", linewidth=0.7)
     gains.set_yscale("log")

@@ -115,10 +115,7 @@ class CartesianPath:
         if self.nv != arm.nv:
             text = f"has {self.nv} values but {arm.name} has {arm.nv} joints; give one per joint"
             raise ParameterError("start", text)
-        try:
-            frame = FrameKinematics(arm, self.link)
-        except ParameterError as error:
-            raise ParameterError("link", str(error).removeprefix("frame: ")) from None
+        frame = FrameKinematics(arm, self.link, "link")
         ends = np.concatenate([[0.0], np.cumsum(np.broadcast_to(self.move, (len(np.atleast_2d(self.points)),)))])
         pieces = [np.linspace(a, b, 2 + math.ceil((b - a) / _KNOT), endpoint=False) for a, b in pairwise(ends)]
         times = np.append(np.concatenate(pieces), ends[-1])

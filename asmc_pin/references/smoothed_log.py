@@ -64,7 +64,7 @@ def logged_rows(path: Path, joints: Sequence[str] | None) -> LoggedRows:
         log = read_log(path, joints, options)
     except ParameterError as error:
         parameter = error.parameter if error.parameter == "joints" else "path"
-        raise ParameterError(parameter, str(error).removeprefix(f"{error.parameter}: ")) from error
+        raise ParameterError(parameter, error.said) from error
     unused = about_torque(options, log.v is None, log.torque is None)
     return LoggedRows(tuple(joints), log.time, log.q, tuple(line for line in log.found if line not in unused))
 

@@ -15,6 +15,7 @@ from asmc_pin.arms import Arm
 from asmc_pin.controllers import Setpoint, TdeLaw
 from asmc_pin.experiment import Experiment
 from asmc_pin.reproduction.printed_tables import PPC, Printed
+from asmc_pin.sampled import SampledLoop, drift_error
 
 
 def limits(experiment: Experiment, printed: Printed) -> dict[str, Any]:
@@ -30,7 +31,7 @@ def limits(experiment: Experiment, printed: Printed) -> dict[str, Any]:
     law = experiment.build_controllers()[PPC]
     assert isinstance(law, TdeLaw)
     law = law.for_joints(arm.nv)
-    drift = drift_error(arm, setpoint, law)[time <= (printed.window or math.inf)]
+    drift = gravity_error(arm, setpoint, law)[time <= (printed.window or math.inf)]
     coulomb = np.broadcast_to(experiment.build_plant().friction.coulomb, (arm.nv,))
     reversals: list[dict[str, float] | None] = []
     for joint in range(arm.nv):
@@ -50,15 +51,14 @@ def limits(experiment: Experiment, printed: Printed) -> dict[str, Any]:
     return {"drift_deg": np.degrees(np.sqrt(np.mean(drift**2, axis=0))).tolist(), "reversals": reversals}
 
 
-def drift_error(arm: Arm, setpoint: Setpoint, law: TdeLaw) -> Array:
-    """Steady error L ḣ/(m̄ β k_s) under the drift ḣ of the gravity torque along the reference, (T, nv), rad.
+def gravity_error(arm: Arm, setpoint: Setpoint, law: TdeLaw) -> Array:
+    """Steady error under the drift of the gravity torque along the reference, (T, nv), rad; see `drift_error`.
 
     Exact for a slow drift on a joint of constant inertia: the torque has to move by L ḣ in every period, and with ė = 0
     only K_p e moves it.
     """
     drift = np.gradient(arm.gravity(setpoint.q), law.period, axis=0)
-    error: Array = law.period * drift / (law.mbar * law.beta * law.ks)
-    return error
+    return drift_error(SampledLoop(law.mbar, law.ks, np.asarray(law.beta), law.period), drift)
 
 
 def break_away(

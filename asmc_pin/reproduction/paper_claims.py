@@ -15,7 +15,7 @@ HOLDS, PART, BROKEN, NOT_APPLICABLE = "holds", "in part", "does not hold", "not 
 Figures = Mapping[str, Mapping[str, Any]]
 
 
-def judge(measured: Figures, norm: Sequence[float], printed: Printed) -> dict[str, dict[str, str]]:
+def judged_claims(measured: Figures, norm: Sequence[float], printed: Printed) -> dict[str, dict[str, str]]:
     """Every claim, on one experiment.
 
     Args:

@@ -51,7 +51,7 @@ def draw_reproduction(data: Mapping[str, Any], datasets: Mapping[str, xr.Dataset
     return {name: caption for _, (name, caption) in sorted(drawn.items())}
 
 
-def shown(dataset: xr.Dataset) -> dict[str, str]:
+def shown_labels(dataset: xr.Dataset) -> dict[str, str]:
     """The label that stands for each scheme of the paper: of a law without printed gains the tuned row."""
     labels = [str(label) for label in dataset.controller.to_numpy()]
     found = {}
@@ -81,7 +81,9 @@ def _gains(pair: Pair) -> Figure:
     for column, (item, dataset) in enumerate(pair):
         time, of_s, of_gain = dataset.time.to_numpy(), item["scale"]["s"], item["scale"]["gain"]
         unit = "deg" if of_s > 1.0 else "rad"
-        schemes = {scheme: label for scheme, label in shown(dataset).items() if scheme in ("Existing", "Proposed")}
+        schemes = {
+            scheme: label for scheme, label in shown_labels(dataset).items() if scheme in ("Existing", "Proposed")
+        }
         for scheme, label in schemes.items():
             run = dataset.sel(controller=label)
             for i in range(2):
@@ -100,14 +102,14 @@ def _gains(pair: Pair) -> Figure:
 
 
 def _torques(pair: Pair) -> Figure:
-    schemes = list(shown(pair[0][1]))
+    schemes = list(shown_labels(pair[0][1]))
     figure = Figure(figsize=(PAGE, 0.5 + 2.1 * len(pair)), layout="constrained")
     grid = figure.subplots(2 * len(pair), len(schemes), sharex=True, sharey="row", squeeze=False)
     for block, (item, dataset) in enumerate(pair):
         time = dataset.time.to_numpy()
         for i in range(2):
             row = grid[2 * block + i]
-            for column, label in enumerate(shown(dataset).values()):
+            for column, label in enumerate(shown_labels(dataset).values()):
                 torque = dataset.sel(controller=label).torque.to_numpy()[:-1, i]
                 row[column].plot(*thinned(time[:-1], torque, 600), color=_color(schemes[column]), linewidth=0.5)
                 _limit(row[column], item["paper"]["torque"], both=item["table"] != "III")
@@ -128,7 +130,7 @@ def _errors(pair: Pair) -> Figure:
     for column, (item, dataset) in enumerate(pair):
         time, unit = dataset.time.to_numpy(), item["paper"]["unit"]
         to_unit = 1.0 if unit == "rad" else 180.0 / np.pi
-        for scheme, label in shown(dataset).items():
+        for scheme, label in shown_labels(dataset).items():
             error = np.abs(dataset.q_ref.to_numpy() - dataset.sel(controller=label).q.to_numpy()) * to_unit
             for i in range(2):
                 grid[i][column].plot(*running_max(time, error[:, i]), color=_color(scheme))
@@ -141,7 +143,7 @@ def _errors(pair: Pair) -> Figure:
             low, high = axis.get_ylim()
             axis.set_ylim(bottom=max(low, 1e-6 * high))
             axis.set_ylabel(rf"$|e_{i + 1}|$ [{unit}]")
-    return _legend(figure, tuple(shown(pair[0][1])), pair)
+    return _legend(figure, tuple(shown_labels(pair[0][1])), pair)
 
 
 _KINDS: Mapping[str, tuple[Callable[[Pair], Figure], str]] = {
@@ -187,7 +189,7 @@ def _paper_line() -> Line2D:
 
 
 def _legend(figure: Figure, schemes: Sequence[str], pair: Pair) -> Figure:
-    labels = shown(pair[0][1])
+    labels = shown_labels(pair[0][1])
     lines = [Line2D([], [], color=_color(x), label=labels[x], linewidth=1.2) for x in schemes if x in labels]
     figure.legend(handles=[*lines, _paper_line()], loc="outside upper center", ncols=5)
     return figure

@@ -6,11 +6,11 @@ only the ranges of their axes are used here.
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from asmc_pin.errors import ExperimentError
+from asmc_pin.words.nearest_name import nearest
 
 PPC, BSMC, EXISTING, PROPOSED = "PPC", "BSMC", "Existing", "Proposed"
 
@@ -113,7 +113,5 @@ def known(names: Sequence[str] | None) -> list[str]:
     wanted = list(names or NAMES)
     for name in wanted:
         if name not in NAMES:
-            near = difflib.get_close_matches(name, NAMES, n=1)
-            hint = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(NAMES)}"
-            raise ExperimentError("", f"'{name}' is no experiment of the paper; {hint}")
+            raise ExperimentError("", f"'{name}' is no experiment of the paper; {nearest(name, NAMES)}")
     return list(dict.fromkeys(wanted))

@@ -18,14 +18,14 @@ from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
 from asmc_pin.plant import Friction, Plant
 from asmc_pin.reproduction.printed_tables import PAPER, PPC, PROPOSED, Printed
-from asmc_pin.reproduction.readings import ADAPTATION, ERRORS, FRICTION, MOTION, Outcome, read
+from asmc_pin.reproduction.readings import ADAPTATION, ERRORS, FRICTION, MOTION, ReadingOutcome, as_read
 from asmc_pin.study.stacked_settings import Stacked
 
 _PRESLIDING_DAMPING = 10.0  # N·m·s/rad
 _TOGETHER = ("motion", "start", "estimate")  # what trials of one rollout share
 
 
-def outcomes(experiment: Experiment, wanted: Iterable[Mapping[str, str]]) -> list[Outcome]:
+def outcomes(experiment: Experiment, wanted: Iterable[Mapping[str, str]]) -> list[ReadingOutcome]:
     """Run PPC and the proposed law of an experiment under every reading.
 
     Args:
@@ -66,7 +66,7 @@ def _measure(experiment: Experiment, label: str, members: Sequence[Mapping[str, 
             effort_limit=plant.effort_limit,
             start=cast(Any, members[0]["start"]),
         ),
-        Stacked([read(law, reading) for reading in members], plant.nv),
+        Stacked([as_read(law, reading) for reading in members], plant.nv),
         changed.build_reference(),
         printed.window or changed.duration,
         batch=len(members),
@@ -78,7 +78,7 @@ def _measure(experiment: Experiment, label: str, members: Sequence[Mapping[str, 
             "rms": np.degrees(rms[i]),
             "torque": float(np.max(torque[i])),
             "gain": float(np.max(gain[i])),
-            "s": _largest_s(run, i, read(law, reading)),
+            "s": _largest_s(run, i, as_read(law, reading)),
         }
         for i, reading in enumerate(members)
     ]
@@ -112,7 +112,7 @@ def _largest_s(run: Rollout, trial: int, law: TdeLaw) -> Array:
     return values
 
 
-def _outcome(reading: Mapping[str, str], measured: Mapping[str, dict[str, Any]], printed: Printed) -> Outcome:
+def _outcome(reading: Mapping[str, str], measured: Mapping[str, dict[str, Any]], printed: Printed) -> ReadingOutcome:
     unit = ERRORS[reading["errors"]]
     _, _, of_s, of_gain = ADAPTATION[reading["adaptation"]]
     law = measured[PROPOSED]
@@ -127,7 +127,7 @@ def _outcome(reading: Mapping[str, str], measured: Mapping[str, dict[str, Any]],
     distance += [_beside(found, told) for found, told in axes]
     if not all(item["ok"] for item in measured.values()):
         distance = [math.inf] * len(distance)
-    return Outcome(reading, rms, torque, gain, s, tuple(distance))
+    return ReadingOutcome(reading, rms, torque, gain, s, tuple(distance))
 
 
 def _beside(found: float, axis: float) -> float:
@@ -137,13 +137,15 @@ def _beside(found: float, axis: float) -> float:
     return math.log(found / axis) ** 2 if found > axis else min(0.0, math.log(2.0 * found / axis)) ** 2
 
 
-def factor(parts: Iterable[Outcome]) -> float:
+def factor(parts: Iterable[ReadingOutcome]) -> float:
     """By which factor a figure is off, typically: exp of the root mean square of the logarithms."""
     logs = [x for part in parts for x in part.distance]
     return math.exp(math.sqrt(sum(logs) / len(logs))) if all(map(math.isfinite, logs)) else math.inf
 
 
-def nearest(candidates: Sequence[tuple[Outcome, ...]], printed: Sequence[Printed]) -> list[tuple[Outcome, ...]]:
+def nearest_readings(
+    candidates: Sequence[tuple[ReadingOutcome, ...]], printed: Sequence[Printed]
+) -> list[tuple[ReadingOutcome, ...]]:
     """For each number of departures from what is printed, the reading that comes nearest.
 
     Out of the running is what needs more than twice the torque that the figures show: there no unit is left to be
@@ -153,7 +155,7 @@ def nearest(candidates: Sequence[tuple[Outcome, ...]], printed: Sequence[Printed
         candidates: Readings; each with its outcome on every experiment that shares the gains.
         printed: These experiments.
     """
-    best: dict[int, tuple[Outcome, ...]] = {}
+    best: dict[int, tuple[ReadingOutcome, ...]] = {}
     for parts in candidates:
         if any(part.torque > 2.0 * told.torque for part, told in zip(parts, printed, strict=True)):
             continue
@@ -163,10 +165,10 @@ def nearest(candidates: Sequence[tuple[Outcome, ...]], printed: Sequence[Printed
     return [best[number] for number in sorted(best)]
 
 
-def reconciled(ladder: Sequence[tuple[Outcome, ...]]) -> tuple[Outcome, ...]:
+def reconciled(ladder: Sequence[tuple[ReadingOutcome, ...]]) -> tuple[ReadingOutcome, ...]:
     """The reading that is taken: every departure has to halve the factor at least, or it is not worth its while."""
 
-    def score(parts: tuple[Outcome, ...]) -> float:
+    def score(parts: tuple[ReadingOutcome, ...]) -> float:
         return factor(parts) * 2.0 ** parts[0].departures
 
     return min(ladder, key=score)

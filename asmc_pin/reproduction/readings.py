@@ -68,7 +68,7 @@ _COMBINED: Mapping[str, Sequence[str]] = {
 
 
 @dataclass(frozen=True)
-class Outcome:
+class ReadingOutcome:
     """What a reading gives on one experiment of the paper.
 
     Attributes:
@@ -107,7 +107,7 @@ def readings(combined: bool) -> Iterator[dict[str, str]]:
             yield {**base, axis: option}
 
 
-def read(law: TdeLaw, reading: Mapping[str, str]) -> TdeLaw:
+def as_read(law: TdeLaw, reading: Mapping[str, str]) -> TdeLaw:
     """A law's parameters under a reading, in rad."""
     beta, ks = GAINS[reading["gains"]]
     changed = replace(

@@ -17,14 +17,14 @@ from asmc_pin.engine import Rollout
 from asmc_pin.experiment import Experiment, load_experiment
 from asmc_pin.reproduction.error_bounds import limits
 from asmc_pin.reproduction.measured_figures import certainly_above, measure, rms_by_trial, theorems
-from asmc_pin.reproduction.paper_claims import judge
+from asmc_pin.reproduction.paper_claims import judged_claims
 from asmc_pin.reproduction.paper_figures import draw_reproduction
 from asmc_pin.reproduction.printed_tables import PAPER, PROPOSED, RECONCILED, known
-from asmc_pin.reproduction.reading_search import factor, nearest, outcomes, reconciled
-from asmc_pin.reproduction.readings import AXES, DEG, ERRORS, Outcome, readings
+from asmc_pin.reproduction.reading_search import factor, nearest_readings, outcomes, reconciled
+from asmc_pin.reproduction.readings import AXES, DEG, ERRORS, ReadingOutcome, readings
 from asmc_pin.reproduction.reproduction_page import page, summary_lines
-from asmc_pin.reproduction.tuned_rows import COMMAND, SUFFIX, tune_rows, write_rows
-from asmc_pin.results import result_folder
+from asmc_pin.reproduction.tuned_rows import COMMAND, SUFFIX, tune_rows, write_tuned
+from asmc_pin.results import result_writing
 from asmc_pin.results.result_folder import load_result
 from asmc_pin.study.comparing import Progress, compare
 from asmc_pin.study.comparison import Comparison
@@ -93,7 +93,7 @@ def reproduce(
     wanted = known(names)
     folder = Path(out)
     for name in wanted:
-        result_folder.check_target(folder / name, force)
+        result_writing.check_target(folder / name, force)
     tell = progress or (lambda _what, _share: None)
     sets = [key for key, members in SETS.items() if search and set(members) <= set(wanted)]
     steps = len(wanted) * (2 if tune else 1) + len(sets)
@@ -109,7 +109,7 @@ def reproduce(
     for name in wanted:
         experiment = load_experiment(name)
         if tune:
-            experiment = load_experiment(write_rows(tune_rows(experiment, of(name)), folder / TUNED))
+            experiment = load_experiment(write_tuned(tune_rows(experiment, of(name)), folder / TUNED))
             done += 1
         told = _Told(experiment, PAPER[name.removesuffix(RECONCILED)].window)
         comparison = compare(experiment, folder / name, force, of(name), each=told)
@@ -194,7 +194,7 @@ def _experiment(name: str, comparison: Comparison, told: dict[str, dict[str, Any
         },
         "existing_epsilon": {label: own[label]["epsilon"] for label in own if own[label]["law"] == "plestan2010"},
         "theorems": theorems(comparison.experiment, PROPOSED),
-        "claims": judge(told, [float(norm.min()), float(norm.max())], printed),
+        "claims": judged_claims(told, [float(norm.min()), float(norm.max())], printed),
     }
 
 
@@ -210,7 +210,7 @@ def _search(members: Sequence[str]) -> dict[str, Any]:
     printed = [PAPER[name] for name in members]
     alone = list(zip(*(outcomes(item, readings(combined=False)) for item in experiments), strict=True))
     together = list(zip(*(outcomes(item, readings(combined=True)) for item in experiments), strict=True))
-    ladder = nearest([*alone, *together], printed)
+    ladder = nearest_readings([*alone, *together], printed)
     taken = reconciled(ladder)
     return {
         "members": list(members),
@@ -221,7 +221,7 @@ def _search(members: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def _told(parts: Sequence[Outcome]) -> dict[str, Any]:
+def _told(parts: Sequence[ReadingOutcome]) -> dict[str, Any]:
     off = factor(parts)
     changed = {axis: option for axis, option in parts[0].reading.items() if option != AXES[axis][0]}
     finite = np.isfinite(off)

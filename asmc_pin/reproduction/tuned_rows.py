@@ -44,7 +44,7 @@ def tune_rows(experiment: Experiment, progress: Progress | None = None) -> Tunin
     return tune_own_gains(plain, labels, objective=Objective(limit), progress=progress)
 
 
-def write_rows(tuning: Tuning, folder: Path) -> Path:
+def write_tuned(tuning: Tuning, folder: Path) -> Path:
     """Write the file of a shipped experiment with the tuned rows in the place of its own.
 
     Args:

@@ -15,7 +15,7 @@ from asmc_pin.condition.domain.joint_box import BoxLike
 from asmc_pin.errors import ParameterError
 from asmc_pin.sampled.critical_points import critical_set
 from asmc_pin.sampled.frozen_arms import FrozenArms, frozen_arms
-from asmc_pin.sampled.loop_limits import limits_of
+from asmc_pin.sampled.loop_limits import margins_and_limits
 from asmc_pin.sampled.noise.sensor_model import LoopSensor
 from asmc_pin.sampled.noise.sensor_noise import LoopNoise, loop_noise
 from asmc_pin.sampled.remedies import remedy
@@ -117,7 +117,7 @@ def examine(
         critical = critical_set(spaces, loop, [rest_point, point, *known])
         # First of all, so that `remedy_of` says the same.
         advice = remedy(critical, loop) if max(radius, rest_radius) >= 1.0 else ""
-        found = limits_of(critical, loop)
+        found = margins_and_limits(critical, loop)
     return StabilityReport(
         about=arms.about,
         gravity=arms.arm.gravity_vector,

@@ -10,8 +10,8 @@ import numpy as np
 from asmc_pin._typing import Array, BoolArray
 from asmc_pin.sampled.error_prediction import drift_error
 from asmc_pin.sampled.linear_map import spectral_radius
+from asmc_pin.sampled.noise.noise_response import noise_rms
 from asmc_pin.sampled.noise.sensor_model import LoopSensor
-from asmc_pin.sampled.noise.sensor_noise import noise_rms
 from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.sampled.workspace_worst import Workspace
 

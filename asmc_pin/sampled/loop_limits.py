@@ -67,7 +67,7 @@ class LoopLimits:
         return low, high
 
 
-def limits_of(critical: Critical, loop: SampledLoop) -> LoopLimits:
+def margins_and_limits(critical: Critical, loop: SampledLoop) -> LoopLimits:
     """All limits of a loop."""
     slower, faster = _gain_grids(loop)
     # Beyond a second an arm that falls is past all figures.

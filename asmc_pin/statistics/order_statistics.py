@@ -13,7 +13,7 @@ LOW, HIGH = 0.05, 0.95
 
 
 @dataclass(frozen=True, eq=False)
-class Spread:
+class Quantiles:
     """Median and quantiles of figures over trials; infinite where failures reach, NaN where the figure is undefined.
 
     Attributes:
@@ -64,6 +64,6 @@ def quantile(figures: Array, share: float) -> Array:
     return np.asarray(np.where(low == high, low, between))
 
 
-def spread_of(figures: Array) -> Spread:
+def spread_of(figures: Array) -> Quantiles:
     """Median, 5 % and 95 % over the first axis; see `quantile`."""
-    return Spread(quantile(figures, 0.5), quantile(figures, LOW), quantile(figures, HIGH))
+    return Quantiles(quantile(figures, 0.5), quantile(figures, LOW), quantile(figures, HIGH))

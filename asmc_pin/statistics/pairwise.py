@@ -13,6 +13,9 @@ from asmc_pin._typing import Array
 from asmc_pin.statistics.paired_ratio import ratio_interval
 from asmc_pin.statistics.rank_tests import holm, probability_of_improvement, signed_rank_p
 
+FAMILY_LEVEL = 0.05
+"""Chance of one order too many that is taken over all pairs and metrics of a family together."""
+
 
 @dataclass(frozen=True)
 class PairedComparison:
@@ -39,6 +42,11 @@ class PairedComparison:
     p: float
     improvement: float
     certain: bool
+
+    @property
+    def certain_in_family(self) -> bool:
+        """Whether the test agrees with the interval, for all pairs and metrics of the family at once."""
+        return self.certain and self.p < FAMILY_LEVEL
 
     def to_json_dict(self) -> dict[str, Any]:
         """Valid JSON; null for an end that is infinite."""

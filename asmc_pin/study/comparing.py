@@ -27,7 +27,7 @@ from asmc_pin.pages.comparison_figures import draw_figures
 from asmc_pin.pages.latex_table import latex_table
 from asmc_pin.pages.theorem_tables import theorems_latex
 from asmc_pin.plant import Plant, moving_arms
-from asmc_pin.results import result_folder
+from asmc_pin.results import result_folder, result_writing
 from asmc_pin.results.extra_signals import add_signals
 from asmc_pin.results.kept_ticks import kept_ticks
 from asmc_pin.results.provenance import provenance
@@ -89,7 +89,7 @@ def compare(
         ArmError: the URDF cannot be used.
     """
     folder = Path(out) if out is not None else Path("results") / experiment.name
-    result_folder.check_target(folder, force)
+    result_writing.check_target(folder, force)
     check_size(experiment)
     tell = progress or (lambda _what, _share: None)
     say = warn or (lambda _line: None)
@@ -124,7 +124,7 @@ def compare(
         arm=arm,
         out=folder,
         rows=rows,
-        dataset=result_folder.trajectories(
+        dataset=result_writing.trajectories(
             arm,
             {shown[label]: run for label, run in runs.items()},
             {shown[label]: experiment.controllers[label]["law"] for label in laws},
@@ -141,7 +141,7 @@ def compare(
     add_tool_error(comparison.dataset, list(comparison.tool.values()))
     # For who reads the result back: the report, and a person with the trajectories alone.
     comparison.dataset.attrs |= {"warnings": "\n".join(warnings), "notes": "\n".join(comparison.notes)}
-    with result_folder.whole_or_not_at_all(folder, force) as made:
+    with result_writing.whole_or_not_at_all(folder, force) as made:
         lost = _write(comparison, plant, made, started, {label: item.seconds for label, item in found.items()}, tell)
     for line in lost:
         say(line)
@@ -196,7 +196,7 @@ def _check_tool(experiment: Experiment, arm: Arm) -> None:
         try:
             FrameKinematics(arm, experiment.metrics.tool)
         except ParameterError as error:
-            raise ExperimentError("metrics.tool", str(error).removeprefix("frame: ")) from None
+            raise ExperimentError("metrics.tool", error.said) from None
 
 
 def _part(tell: Progress, label: str, index: int, count: int) -> Callable[[int, int], None]:
@@ -244,8 +244,8 @@ def _write(
     # What a user ought to be told stays with the figures, so that a report made later says it too.
     told = {"notes": "\n".join(comparison.notes), "warnings": "\n".join(comparison.warnings)}
     kept = kept_ticks(comparison.dataset.assign_attrs(told), experiment.log_every)
-    result_folder.write_trajectories(kept, folder / result_folder.TRAJECTORIES)
-    result_folder.write_summary(rows, folder / result_folder.SUMMARY)
+    result_writing.write_trajectories(kept, folder / result_folder.TRAJECTORIES)
+    result_writing.write_summary(rows, folder / result_folder.SUMMARY)
     (folder / "summary.md").write_text(summary_markdown(comparison), encoding="utf-8")
     latex = "\n".join([latex_table(rows), theorems_latex(comparison.theorems.claims, comparison.about.title)])
     (folder / "summary.tex").write_text(latex, encoding="utf-8")

@@ -87,7 +87,7 @@ class LawStudy:
             "seed": seed,
             "trials": trials,
         }
-        with _quiet():
+        with quiet_optuna():
             backend = None
             if storage is not None:
                 from optuna.storages.journal import JournalFileBackend
@@ -116,7 +116,7 @@ class LawStudy:
         """Run settings until there are `trials` of them (one, if there is nothing to search); see `tune_own_gains`."""
         if not self.start:
             trials = 1
-        with _quiet():
+        with quiet_optuna():
             done = len(self._told())
             while done < trials:
                 progress(done / trials)
@@ -196,7 +196,7 @@ def _rounded(value: float, start: float) -> float:
 
 
 @contextlib.contextmanager
-def _quiet() -> Iterator[None]:
+def quiet_optuna() -> Iterator[None]:
     """Optuna without its line per trial and without its notes on experimental arguments."""
     import optuna
 

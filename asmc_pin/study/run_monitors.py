@@ -16,7 +16,7 @@ from asmc_pin.engine import Rollout
 from asmc_pin.monitors import CAUSES, claim_rows, monitor, monitor_dataset
 from asmc_pin.pages.theorem_figures import draw_theorems
 from asmc_pin.plant import Plant
-from asmc_pin.results import result_folder
+from asmc_pin.results import result_folder, result_writing
 from asmc_pin.results.kept_ticks import kept_ticks
 
 
@@ -34,8 +34,8 @@ class Theorems:
 
     def write(self, folder: Path, log_every: int = 1) -> None:
         """Rows, and of the arrays one tick in so many, into a result's folder."""
-        result_folder.write_summary(self.claims, folder / result_folder.CLAIMS)
-        result_folder.write_trajectories(kept_ticks(self.dataset, log_every), folder / result_folder.MONITORS)
+        result_writing.write_summary(self.claims, folder / result_folder.CLAIMS)
+        result_writing.write_trajectories(kept_ticks(self.dataset, log_every), folder / result_folder.MONITORS)
 
     def draw(self, folder: Path) -> None:
         """The figure, into a folder of figures."""

@@ -8,6 +8,7 @@ import pandas as pd
 from asmc_pin.arms.robot_limits import LIMITED_QUANTITIES
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
+from asmc_pin.pages.tables.text_table import number
 from asmc_pin.results.ensemble_summary import failures, figures_by_trial, labels_of, sensitivity
 
 
@@ -27,7 +28,7 @@ def sensitivity_lines(experiment: Experiment, rows: pd.DataFrame) -> list[str]:
             told.append(f"{label} by more than can be said, as {count} of {trials} trials diverged")
         else:
             worst = int(np.argmax(moves))
-            told.append(f"{label} by {100.0 * moves[worst]:.2g} % ({joints[worst]})")
+            told.append(f"{label} by {number(100.0 * moves[worst], 2)} % ({joints[worst]})")
     return [
         f"numerical sensitivity for this plant and these gains: a start {experiment.ensemble.q0_deviation:g} rad away "
         f"moves the {METRICS['rms_error'].title} at the joint where it moves most, 5 % to 95 % of {trials} trials, of "

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from asmc_pin.disk.files import check_writable, write_whole
+from asmc_pin.disk.file_access import check_writable
+from asmc_pin.disk.files import write_whole
 from asmc_pin.results.result_folder import Result, find_result, load_result
 from asmc_pin.study.comparison import Comparison
 

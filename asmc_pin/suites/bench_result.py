@@ -55,11 +55,13 @@ def bench_json(findings: BenchFindings, cells: Sequence[CellResult]) -> dict[str
         laws[findings.laws[k]] = {
             "law": findings.kinds[findings.laws[k]],
             "rank": {"mean": mean.rank, "low": mean.low, "high": mean.high},
+            "shifted_mean": _known(findings.means()[k]),
+            "shifted_mean_of_task": {task: _known(findings.means(task)[k]) for task in findings.tasks},
             "problems_failed": int(findings.lost[k]),
             "trials_failed": int(findings.failed[k].sum()),
             "trials_over": int(findings.over[k].sum()),
             "figures": {
-                f"{arm} {task}": float(x) if math.isfinite(x) else None
+                f"{arm} {task}": _known(x)
                 for (arm, task), x in zip(findings.problems, findings.figures[k], strict=True)
             },
         }
@@ -72,3 +74,7 @@ def bench_json(findings: BenchFindings, cells: Sequence[CellResult]) -> dict[str
         "comparisons": pairs,
         "cells": [cell.to_json_dict() for cell in cells],
     }
+
+
+def _known(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None

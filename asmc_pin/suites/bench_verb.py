@@ -16,6 +16,7 @@ from asmc_pin.pages.benches.bench_figures import bench_plates
 from asmc_pin.pages.benches.bench_findings import BenchFindings
 from asmc_pin.pages.benches.bench_page import page_of_bench
 from asmc_pin.pages.figure_style import paper_style, save
+from asmc_pin.pages.sweeps.sweep_tables import unit_on
 from asmc_pin.results.provenance import PACKAGES, package_version
 from asmc_pin.suites.bench_result import Benchmark, bench_json
 from asmc_pin.suites.cell_experiment import cell_experiment
@@ -95,11 +96,11 @@ def findings_of(suite: Suite, cells: Sequence[CellResult]) -> BenchFindings:
     by = {(cell.law, cell.arm, cell.task): cell for cell in cells}
     grid = [[by[law, arm, task] for arm, task in problems] for law in laws]
     shape = len(laws), len(problems)
-    one = cell_experiment(suite, *problems[0], laws[0])
+    judge = Judge(cell_experiment(suite, *problems[0], laws[0]))
     tables = suite.tables
     conditions = (
         f"{suite.trials} candidates of each law on each arm and task, {tables['train']} training draws, "
-        f"{suite.held_out} held out; {Judge(one).words().split(';')[0]}; torque noise at most "
+        f"{suite.held_out} held out; {judge.words().split(';')[0]}; torque noise at most "
         f"{100.0 * tables['torque_noise']:g} % of the largest torque; {1e3 * tables['period']:g} ms"
     )
     return BenchFindings(
@@ -111,6 +112,7 @@ def findings_of(suite: Suite, cells: Sequence[CellResult]) -> BenchFindings:
         laws=laws,
         kinds={law: str(table["law"]) for law, table in suite.laws.items()},
         problems=problems,
+        unit=unit_on(judge.kinds, judge.objective),
         figures=np.array([[cell.figure for cell in row] for row in grid]).reshape(shape),
         unkept=np.array([[not cell.kept for cell in row] for row in grid]).reshape(shape),
         failed=np.array([[cell.failed for cell in row] for row in grid]).reshape(shape),

@@ -15,8 +15,8 @@ from typing import Any
 from asmc_pin.disk.reading import user_path
 from asmc_pin.disk.resources import shipped
 from asmc_pin.errors import ExperimentError, ParameterError
-from asmc_pin.experiment.constructors import nearest
 from asmc_pin.experiment.toml_text import read_toml
+from asmc_pin.words.nearest_name import nearest
 
 DEFAULT = "asmc-bench-1"
 _OWN = ("extends", "laws")

@@ -17,7 +17,7 @@ from asmc_pin.metrics import METRICS
 from asmc_pin.sweeping.failure_scan import ScanEnd, scan_ends
 from asmc_pin.sweeping.lockstep import TrialTables
 from asmc_pin.sweeping.sweep_plan import FAILS_AT, PASSED, SCANNED, TOGETHER, TOOL, VARIED, SweepPlan
-from asmc_pin.sweeping.trial_runs import Outcome, TrialRuns
+from asmc_pin.sweeping.trial_runs import TrialOutcome, TrialRuns
 
 
 class BlockRows:
@@ -59,7 +59,7 @@ class BlockRows:
             found = scan_ends(self._runs, scan, [jobs[i] for i in here], labels)
             ends |= {(here[k], label): end for (k, label), end in found.items()}
         plain = [i for i, each in enumerate(scanned) if each is None]
-        outcomes: dict[tuple[int, str], Outcome] = {
+        outcomes: dict[tuple[int, str], TrialOutcome] = {
             (plain[k], label): outcome for (k, label), outcome in self._runs([jobs[i] for i in plain]).items()
         }
         columns: dict[str, list[Any]] = {name: [] for name in plan.schema.names}
@@ -81,7 +81,7 @@ class BlockRows:
 
 
 def _add(
-    columns: dict[str, list[Any]], plan: SweepPlan, job: TrialTables, outcome: Outcome, drawn: Mapping[str, Any]
+    columns: dict[str, list[Any]], plan: SweepPlan, job: TrialTables, outcome: TrialOutcome, drawn: Mapping[str, Any]
 ) -> None:
     """The rows of one trial under one controller."""
     joints = len(outcome.joints)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from asmc_pin.experiment.variation.axes import VariedKey
 from asmc_pin.sweeping.lockstep import TrialTables
-from asmc_pin.sweeping.trial_runs import Outcome, TrialRuns
+from asmc_pin.sweeping.trial_runs import TrialOutcome, TrialRuns
 
 RUNGS = 8
 """Steps of the ladder from one end of the scan to the other."""
@@ -35,13 +35,15 @@ class ScanEnd:
     reached: float
     passed: bool
     fails_at: float
-    outcome: Outcome
+    outcome: TrialOutcome
 
 
 def scan_ends(
     runs: TrialRuns, axis: VariedKey, jobs: Sequence[TrialTables], labels: Sequence[str]
 ) -> dict[tuple[int, str], ScanEnd]:
     """Scan one axis in several trials, all of them and all controllers a stage at a time.
+
+    A controller that has not got the scanned key runs once in each trial: wherever the key stands, it does the same.
 
     Args:
         runs: Runs trials.
@@ -56,7 +58,11 @@ def scan_ends(
     start, end = axis.scan
     found: dict[tuple[int, str], ScanEnd] = {}
     rungs = [start + (end - start) * rung / RUNGS for rung in range(RUNGS)] + [end]
-    climbing = [(i, label) for i in range(len(jobs)) for label in labels]
+    pairs = [(i, label) for i in range(len(jobs)) for label in labels]
+    for pair, outcome in _at(runs, axis, jobs, {p: start for p in pairs if not axis.concerns(p[1])}).items():
+        fails = outcome.failed(axis.until)
+        found[pair] = ScanEnd(start if fails else end, not fails, start if fails else math.inf, outcome)
+    climbing = [pair for pair in pairs if pair not in found]
     for value in rungs:
         outcomes = _at(runs, axis, jobs, {pair: value for pair in climbing})
         for pair in list(climbing):
@@ -88,9 +94,9 @@ def scan_ends(
 
 def _at(
     runs: TrialRuns, axis: VariedKey, jobs: Sequence[TrialTables], values: Mapping[tuple[int, str], float]
-) -> dict[tuple[int, str], Outcome]:
+) -> dict[tuple[int, str], TrialOutcome]:
     """What each pair of trial and controller makes of its own value."""
-    found: dict[tuple[int, str], Outcome] = {}
+    found: dict[tuple[int, str], TrialOutcome] = {}
     for label in dict.fromkeys(label for _, label in values):
         members = [(i, value) for (i, other), value in values.items() if other == label]
         placed = [TrialTables(jobs[i].trial, jobs[i].draw, axis.placed(jobs[i].tables, value)) for i, value in members]

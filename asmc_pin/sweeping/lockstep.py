@@ -24,8 +24,10 @@ from asmc_pin.controllers.tde import sliding_variable
 from asmc_pin.engine import Rollout, rollout
 from asmc_pin.errors import AsmcPinError, ParameterError
 from asmc_pin.experiment import Experiment
-from asmc_pin.experiment.experiment_checks import controller_problems, fail
-from asmc_pin.experiment.toml_keys import ArmTable, PlantTable, arm_table
+from asmc_pin.experiment.arm_keys import ArmTable, arm_table
+from asmc_pin.experiment.checks.controller_checks import controller_problems
+from asmc_pin.experiment.checks.experiment_checks import fail
+from asmc_pin.experiment.toml_keys import PlantTable
 from asmc_pin.experiment.variation.key_paths import Parts
 from asmc_pin.parameters import parameters_of
 from asmc_pin.plant import Friction, Plant

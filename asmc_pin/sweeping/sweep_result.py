@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from asmc_pin.pages.sweeps.sweep_findings import SweepFindings
 from asmc_pin.pages.sweeps.sweep_page import sweep_title
 from asmc_pin.pages.sweeps.sweep_tables import distribution_table, failure_lines, scan_lines, verdict_lines
@@ -35,6 +37,14 @@ class Sweep(Shown):
         """Median and quantiles of every controller over all trials."""
         table = distribution_table(self.findings, None)
         return table.header, table.rows
+
+    @property
+    def hardest(self) -> int:
+        """Number of the trial, of those at the grids, in which any controller's first metric is largest or failed."""
+        metric = next(iter(self.findings.scores.values()))
+        worst = np.max([np.where(np.isnan(scores), np.inf, scores) for scores in metric.values()], axis=0)
+        draw, point = np.unravel_index(int(np.argmax(worst)), worst.shape)
+        return int(draw) * (self.trials // self.findings.draws) + int(point)
 
     def remarks(self) -> list[str]:
         """Where the rest lies."""

@@ -11,14 +11,16 @@ import os
 import signal
 import threading
 import time
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TypeVar
 
 import joblib
 from joblib.externals.loky.backend.resource_tracker import ensure_running
+from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-from asmc_pin.errors import ExperimentError
+from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.sweeping.block_rows import BlockRows
 from asmc_pin.sweeping.sweep_plan import SweepPlan
 from asmc_pin.sweeping.worker_block import run_block
@@ -62,6 +64,7 @@ def block_results(plan: SweepPlan, blocks: Sequence[range], workers: int) -> Ite
 
     Raises:
         ExperimentError: a block cannot be run.
+        ParameterError: a worker was killed.
     """
     if workers == 1 or len(blocks) < 2:
         rows = BlockRows(plan)
@@ -81,6 +84,9 @@ def in_workers(work: Callable[[Item], Result], items: Sequence[Item], workers: i
         work: A function of a module; it hands our errors back in words, for they do not travel between processes.
         items: What it is given, one by one.
         workers: Processes at once.
+
+    Raises:
+        ParameterError: one of them was killed.
     """
     run = joblib.delayed(_watched)
     with joblib.parallel_config(backend="loky", inner_max_num_threads=1):
@@ -89,7 +95,20 @@ def in_workers(work: Callable[[Item], Result], items: Sequence[Item], workers: i
             ensure_running()  # unblocks SIGINT where it begins a tracker, so it has to be there before
         with _interrupts_held_back(), _quiet_tracker():
             done = pool(run(work, item, os.getpid()) for item in items)
-        yield from done
+        try:
+            for result in done:  # noqa: UP028  # `yield from` would end it itself, before the warning is dealt with
+                yield result
+        except TerminatedWorkerError:
+            raise ParameterError(
+                "workers",
+                "the system or somebody ended one of the processes, maybe for want of memory; what they had handed "
+                "over is kept, and the same command goes on from there, with --workers 1 in this process alone",
+            ) from None
+        finally:
+            with warnings.catch_warnings():
+                # Whoever takes no more results has a reason, and tells it; what is under way is let go.
+                warnings.filterwarnings("ignore", ".*tasks which were still being processed", UserWarning)
+                done.close()
 
 
 def _watched(work: Callable[[Item], Result], item: Item, parent: int) -> Result:

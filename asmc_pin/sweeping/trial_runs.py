@@ -25,7 +25,7 @@ _KEPT = 64
 
 
 @dataclass(frozen=True)
-class Outcome:
+class TrialOutcome:
     """What one controller made of one trial.
 
     Attributes:
@@ -73,7 +73,7 @@ class TrialRuns:
 
     def __call__(
         self, jobs: Sequence[TrialTables], labels: Iterable[str] | None = None
-    ) -> dict[tuple[int, str], Outcome]:
+    ) -> dict[tuple[int, str], TrialOutcome]:
         """Run trials.
 
         Args:
@@ -89,7 +89,7 @@ class TrialRuns:
         groups: dict[str, list[int]] = {}
         for i, job in enumerate(jobs):
             groups.setdefault(self._group(job), []).append(i)
-        found: dict[tuple[int, str], Outcome] = {}
+        found: dict[tuple[int, str], TrialOutcome] = {}
         wanted = list(self._plan.experiment.controllers if labels is None else labels)
         for name, members in groups.items():
             batch = self._built(name, [jobs[i] for i in members])
@@ -131,14 +131,14 @@ def _settings(batch: Lockstep) -> MetricSettings:
     return replace(settings, effort_limit=limit[:, None, :] if limit.ndim == 2 else limit)
 
 
-def _outcomes(batch: Lockstep, label: str, settings: MetricSettings, metrics: Iterable[str]) -> list[Outcome]:
+def _outcomes(batch: Lockstep, label: str, settings: MetricSettings, metrics: Iterable[str]) -> list[TrialOutcome]:
     run = batch.run(label)
     figures = {name: METRICS[name](run, settings) for name in metrics}
     law: Any = batch.laws[label][0]
     arm, tool = batch.plant.arm, batch.base.metrics.tool
     at_tool = {} if tool is None else tool_error(arm, run, tool).figures()
     return [
-        Outcome(
+        TrialOutcome(
             arm=arm.name,
             joints=tuple(zip(arm.joint_names, arm.joint_kinds, strict=True)),
             law=str(batch.base.controllers[label]["law"]),

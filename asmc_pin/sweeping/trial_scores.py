@@ -41,10 +41,7 @@ class TrialScores:
         self.scores = {name: {label: np.full(shape, np.nan) for label in self.labels} for name in SCORED}
         shown = dict(zip(laws, self.labels, strict=True))
         self.fails_at = {
-            axis.path: {
-                shown[str(label)]: np.full(plan.draws, np.nan)
-                for label in (laws if axis.parts[0] != "controllers" else axis.parts[1:2])
-            }
+            axis.path: {shown[label]: np.full(plan.draws, np.nan) for label in laws if axis.concerns(label)}
             for axis in variation.scans
         }
         self.drawn: dict[str, Array] = {

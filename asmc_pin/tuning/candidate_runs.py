@@ -7,11 +7,11 @@ from typing import Any
 
 from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment import Experiment
-from asmc_pin.experiment.experiment_checks import controller_problems
+from asmc_pin.experiment.checks.controller_checks import controller_problems
 from asmc_pin.experiment.variation.axes import Variation
 from asmc_pin.sweeping.lockstep import TrialTables
 from asmc_pin.sweeping.sweep_plan import sweep_plan
-from asmc_pin.sweeping.trial_runs import Outcome, TrialRuns
+from asmc_pin.sweeping.trial_runs import TrialOutcome, TrialRuns
 from asmc_pin.tuning.search_space import SearchSpace
 
 Setting = Mapping[str, Any]
@@ -66,7 +66,7 @@ class CandidateRuns:
         found = controller_problems({**self._variation.data, **self._controllers(setting)}, self._folder)[1]
         return bool(found)
 
-    def __call__(self, settings: Sequence[Setting], draws: range) -> list[list[Outcome]]:
+    def __call__(self, settings: Sequence[Setting], draws: range) -> list[list[TrialOutcome]]:
         """Run every setting on every draw, at every point of the grids.
 
         Returns:

@@ -14,11 +14,11 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.baselines import shown_label
 from asmc_pin.experiment import Experiment
-from asmc_pin.experiment.experiment_checks import controller_problems
+from asmc_pin.experiment.checks.controller_checks import controller_problems
 from asmc_pin.experiment.law_lookup import load_law
 from asmc_pin.pages.tunings.tune_findings import TunedController
 from asmc_pin.statistics.paired_ratio import ratio_interval
-from asmc_pin.sweeping.trial_runs import Outcome
+from asmc_pin.sweeping.trial_runs import TrialOutcome
 from asmc_pin.tuning.candidate_runs import CandidateRuns
 from asmc_pin.tuning.fair_score import CHATTER, Judge, Score, trial_figure
 from asmc_pin.tuning.gain_study import Candidate, GainStudy, best
@@ -43,8 +43,8 @@ class HeldOut:
         start: Of the file's gains.
     """
 
-    tuned: Sequence[Outcome]
-    start: Sequence[Outcome]
+    tuned: Sequence[TrialOutcome]
+    start: Sequence[TrialOutcome]
 
 
 class ControllerTuning:
@@ -146,7 +146,7 @@ class ControllerTuning:
             sensitivity=sensitivity,
         )
 
-    def over(self, outcomes: Sequence[Outcome]) -> int:
+    def over(self, outcomes: Sequence[TrialOutcome]) -> int:
         """Trials beyond a limit, or failed."""
         return sum(not self._judge.score([outcome]).within for outcome in outcomes)
 

@@ -16,7 +16,7 @@ from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
 from asmc_pin.pages.sweeps.sweep_tables import unit_on
 from asmc_pin.statistics.joint_mean import joint_mean
-from asmc_pin.sweeping.trial_runs import Outcome
+from asmc_pin.sweeping.trial_runs import TrialOutcome
 
 CHATTER = "torque_variation"
 LIMITED = {"chatter": CHATTER, "torque_noise": "torque_noise", "torque_rate": "torque_step"}
@@ -91,7 +91,7 @@ class Judge:
         """What has to be measured."""
         return tuple(dict.fromkeys([self.objective, CHATTER, *self.limits]))
 
-    def score(self, outcomes: Sequence[Outcome]) -> Score:
+    def score(self, outcomes: Sequence[TrialOutcome]) -> Score:
         """What the trials of one setting come to."""
         figures = [trial_figure(each, self.objective) for each in outcomes]
         excess = 0.0
@@ -112,7 +112,7 @@ class Judge:
         return "; ".join(said)
 
 
-def trial_figure(outcome: Outcome, metric: str) -> float:
+def trial_figure(outcome: TrialOutcome, metric: str) -> float:
     """A metric of one trial: its geometric mean over the joints, +∞ for one that failed or where it is not defined."""
     return figure_of(outcome.figures, metric, outcome.status)
 

@@ -6,16 +6,15 @@ study that was killed goes on from its last whole batch and ends as if nothing h
 
 from __future__ import annotations
 
-import contextlib
 import math
 import os
-import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from asmc_pin.errors import ResultError
+from asmc_pin.study.law_study import quiet_optuna
 from asmc_pin.tuning.fair_score import Score
 from asmc_pin.tuning.search_space import SearchSpace
 
@@ -71,7 +70,7 @@ class GainStudy:
         Raises:
             ResultError: the journal is of another tuning.
         """
-        with _quiet():
+        with quiet_optuna():
             return self._run(trials if self._space.ranges else 1, evaluate, progress)
 
     def _run(self, trials: int, evaluate: Evaluate, progress: Callable[[int], None]) -> list[Candidate]:
@@ -194,18 +193,3 @@ def _frozen(item: Candidate, space: SearchSpace) -> Any:
             **{name: getattr(item.score, name) for name in _SCORED},
         },
     )
-
-
-@contextlib.contextmanager
-def _quiet() -> Iterator[None]:
-    """Optuna without its line per trial and without its notes on experimental arguments."""
-    import optuna
-
-    level = optuna.logging.get_verbosity()
-    optuna.logging.set_verbosity(optuna.logging.WARNING)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
-            yield
-    finally:
-        optuna.logging.set_verbosity(level)

@@ -16,9 +16,9 @@ from typing import Any
 from asmc_pin.controllers import REQUIRED, TdeLaw, parameters_of
 from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment import Experiment
+from asmc_pin.experiment.checks.tune_checks import NO_GAINS
 from asmc_pin.experiment.constructors import Signature
 from asmc_pin.experiment.law_lookup import load_law
-from asmc_pin.experiment.tune_checks import NO_GAINS
 
 SPAN = 10.0
 """Of the rule: each start is searched from itself over this to itself times this."""

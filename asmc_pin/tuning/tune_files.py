@@ -22,7 +22,7 @@ from asmc_pin.pages.tunings.tune_page import page_of_tuning
 from asmc_pin.results import result_folder
 from asmc_pin.results.provenance import provenance
 from asmc_pin.sweeping.block_rows import as_parquet
-from asmc_pin.sweeping.trial_runs import Outcome
+from asmc_pin.sweeping.trial_runs import TrialOutcome
 from asmc_pin.tuning.controller_tuning import ControllerTuning, HeldOut
 from asmc_pin.tuning.tune_result import findings_json
 
@@ -119,7 +119,7 @@ def _held_out(judged: Judged) -> pa.Table:
     return pa.table(columns, schema=pa.schema([*named, *((name, number) for name in METRICS)]))
 
 
-def _add(columns: dict[str, list[Any]], outcome: Outcome, same: Mapping[str, Any]) -> None:
+def _add(columns: dict[str, list[Any]], outcome: TrialOutcome, same: Mapping[str, Any]) -> None:
     joints: Sequence[tuple[str, str]] = outcome.joints
     every = {**same, "law": outcome.law, "status": outcome.status, "end_time": outcome.end_time}
     for name, value in every.items():

@@ -34,26 +34,30 @@ class Shown:
         """Figures that belong in a table, under the lines; None for none."""
         return None
 
+    def tables(self) -> list[Cells]:
+        """All tables, one under the other."""
+        table = self.table()
+        return [] if table is None else [table]
+
     def remarks(self) -> list[str]:
-        """What else has to be known, under the table."""
+        """What else has to be known, under the tables."""
         return []
 
     def picture(self) -> str:
-        """HTML for a notebook, under the table; names in it are escaped already."""
+        """HTML for a notebook, under the tables; names in it are escaped already."""
         return ""
 
     def __str__(self) -> str:
-        table = self.table()
-        rows = [] if table is None else aligned(table)
+        rows = [row for k, table in enumerate(self.tables()) for row in [""] * (k > 0) + aligned(table)]
         return "\n".join(map(visible, [*self.lines(), *rows, *self.remarks()]))
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {visible(self.headline())}>"
 
     def _repr_html_(self) -> str:
-        first, table = self.headline(), self.table()
+        first = self.headline()
         said = [f"<strong>{for_html(line)}</strong>" if line == first else for_html(line) for line in self.lines()]
-        parts = [paragraph(said), "" if table is None else table_html(table), self.picture()]
+        parts = [paragraph(said), *map(table_html, self.tables()), self.picture()]
         return "<div>" + "".join([*parts, paragraph(map(for_html, self.remarks()))]) + "</div>"
 
 

@@ -1,12 +1,12 @@
 """Claims about the last line of a verdict: the command that follows from it, about the same arm and ranges."""
 
 import json
-import re
-import shlex
 
 import numpy as np
 import pytest
 import typer
+from arm_urdf import inertial, two_joints
+from next_command import next_words
 from short_experiment import SHORT
 
 from asmc_pin import lemma1_norm, load_arm, load_experiment, verify, weighted_norm
@@ -20,13 +20,6 @@ def run(capsys, *words):
     with pytest.raises(SystemExit) as ended:
         main(words)
     return ended.value.code, capsys.readouterr().out
-
-
-def next_words(out):
-    """The words of the command that the last line names, without the program's name."""
-    found = re.fullmatch(r"next: [^:]+: (asmc-pin .*)", out.splitlines()[-1])
-    assert found, out.splitlines()[-1]
-    return shlex.split(found[1])[1:]
 
 
 def parsed(words):
@@ -115,6 +108,9 @@ SHORT_LOOP = ("--mbar", "0.02", "--ks", "5", "--beta", "5")
         (("verify", "two_link", "--mbar", "0.02", "--along", "baek2016_simulation_smooth"), "verify"),
         (("design", "two_link"), "design"),
         (("design", "two_link", "--bounds", "joint_1=50:60"), "bounds"),
+        (("bounds", "two_link", "--gap", "0.2"), "design"),
+        (("agree", "two_link"), "design"),
+        (("inspect", "two_link"), "design"),
         (("stability", "two_link", *SHORT_LOOP, "--period", "0.001"), "stability"),
         (("stability", "two_link", "--mbar", "0.5", "--ks", "5", "--beta", "5", "--period", "0.1"), "design"),
     ],
@@ -149,3 +145,52 @@ def test_a_certificate_that_holds_leads_on_to_what_it_takes_for_granted(capsys, 
     run(capsys, "verify", "two_link", "--mbar", "0.02", "--certify", "--certificate", proof)
     _, out = run(capsys, "check", proof)
     assert next_words(out) == ["agree", "two_link"]
+
+
+def test_a_certificate_of_a_file_of_ones_own_leads_to_that_file_where_it_lies_here(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.urdf").write_text(two_joints())
+    run(capsys, "verify", "mine.urdf", "--mbar", "0.02", "--certify", "--certificate", "mine.cert")
+    assert next_words(run(capsys, "check", "mine.cert")[1]) == ["agree", "mine.urdf"]
+    (tmp_path / "mine.urdf").rename("other.urdf")
+    _, out = run(capsys, "check", "mine.cert")
+    assert next_words(out) == ["agree", "other.urdf"]
+    (tmp_path / "other.urdf").unlink()
+    _, out = run(capsys, "check", "mine.cert")
+    assert out.splitlines()[-1].endswith(" (ARM: the URDF of r): asmc-pin agree ARM")
+
+
+def test_what_follows_a_refused_urdf_is_its_repair_where_there_is_one_and_then_its_mbar(capsys, tmp_path):
+    file = tmp_path / "thin.urdf"
+    file.write_text(two_joints(tip=inertial(inertia=np.diag([-0.01, 0.02, 0.015]))))
+    status, out = run(capsys, "inspect", str(file))
+    assert status == 1
+    assert next_words(out) == ["inspect", str(file), "--repair"]
+    status, out = run(capsys, *next_words(out))
+    assert status == 0
+    assert next_words(out) == ["design", str(file), "--repair"]
+
+
+def test_what_follows_doubts_is_a_picture_of_what_is_doubted(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "wide.urdf").write_text(two_joints(tip=inertial(inertia=np.diag([5.0, 5.0, 5.0]))))
+    _, out = run(capsys, "inspect", "wide.urdf")
+    assert next_words(out) == ["inspect", "wide.urdf", "--html", "wide.html"]
+    _, out = run(capsys, *next_words(out))
+    assert next_words(out)[0] == "design"
+    assert (tmp_path / "wide.html").is_file()
+
+
+def test_a_result_that_is_not_there_is_made_by_the_command_that_the_message_names(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as ended:
+        main(["view", "demo"])
+    assert ended.value.code == 2
+    assert "make it with: asmc-pin compare demo" in capsys.readouterr().err
+    for name, meant in (("rows.parquet", "--replay TRIAL"), ("tuned.toml", "asmc-pin compare demo/tuned.toml")):
+        (tmp_path / "demo").mkdir(exist_ok=True)
+        (tmp_path / "demo" / name).touch()
+        with pytest.raises(SystemExit):
+            main(["report", "demo"])
+        assert meant in capsys.readouterr().err
+        (tmp_path / "demo" / name).unlink()

@@ -6,9 +6,11 @@ import signal
 import subprocess
 import time
 
+import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from processes import command, environment, run
+from next_command import next_words
+from processes import command, environment, group_lives, run
 from sweep_cases import contents, tiny
 
 
@@ -43,6 +45,11 @@ def test_started_again_it_computes_nothing_and_prints_for_a_person(done):
     lines = again.stdout.splitlines()
     assert lines[0] == "tiny: PPC, BSMC in 6 draws at 2 points"
     assert "report: results/tiny-sweep/report.html" in lines
+    *command_again, trial = next_words(again.stdout)
+    assert command_again == ["sweep", "tiny.toml", "--trials", "6", "--replay"]
+    found = pq.read_table(folder / "results" / "tiny-sweep" / "rows.parquet").to_pandas()
+    over_joints = found.assign(log=np.log(found.rms_error)).groupby(["trial", "controller"]).log.mean()
+    assert int(trial) == over_joints.idxmax()[0]
 
 
 @pytest.mark.long
@@ -84,19 +91,11 @@ def test_ctrl_c_is_130_ends_the_workers_and_loses_no_block(tmp_path):
         assert "Traceback" not in err, err
         assert "KeyboardInterrupt" not in err
         deadline = time.monotonic() + 30
-        while any_left(process.pid):
+        while group_lives(process.pid):
             assert time.monotonic() < deadline, "a worker outlives the sweep"
             time.sleep(0.1)
         shards = contents(tmp_path / "results" / "tiny-sweep")
         assert not [name for name in shards if name.split("/")[-1].startswith(".")]
     finally:
-        if any_left(process.pid):
+        if group_lives(process.pid):
             os.killpg(process.pid, signal.SIGKILL)
-
-
-def any_left(group: int) -> bool:
-    try:
-        os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    return True

@@ -3,6 +3,7 @@
 import json
 
 import pytest
+from next_command import next_words
 from processes import run
 from tune_cases import small
 
@@ -25,6 +26,7 @@ def test_json_says_where_the_tuned_experiment_is_and_how_each_controller_did(tmp
     report = run("tune", "small.toml", "--trials", "2", "--report", "page.md", cwd=tmp_path)
     assert report.returncode == 0, report.stderr
     assert report.stdout.splitlines()[0] == "small: PPC, BSMC, tuned"
+    assert next_words(report.stdout) == ["compare", "results/small-tune/tuned.toml"]
     assert "## Held out" in (tmp_path / "page.md").read_text()
     assert (tmp_path / "page_pareto.png").is_file()
 

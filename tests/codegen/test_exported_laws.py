@@ -5,8 +5,10 @@ from __future__ import annotations
 import csv
 import json
 import re
+import subprocess
 from pathlib import Path
 
+import needs
 import numpy as np
 import pytest
 from export_cases import KINDS, LAWS, built, experiment_of, exported, ran
@@ -260,6 +262,15 @@ def test_code_that_computes_something_else_is_a_fault_of_ours_and_is_not_written
     with pytest.raises(exporting.NotTheSame, match="3 of 10 ticks"):
         exported(tmp_path / "x", KINDS["ppc"])
     assert not (tmp_path / "x").exists()
+
+
+def test_the_command_that_is_named_to_check_the_code_elsewhere_does_it(tmp_path, monkeypatch):
+    needs.program("c")
+    monkeypatch.chdir(tmp_path)
+    done = exported(Path("x"), KINDS["ppc"])
+    run = subprocess.run(done.check_yourself(), shell=True, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    assert f"ticks {done.ticks} wrong 0" in run.stdout
 
 
 def test_without_a_compiler_the_files_are_written_and_that_is_said(tmp_path, monkeypatch):

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from asmc_pin import load_arm
 from asmc_pin.condition import lemma1_norm, weighted_norm
 from asmc_pin.condition.norm import compiled_norms
-from asmc_pin.condition.search.samples import evaluate
+from asmc_pin.condition.search.samples import figures_at
 from asmc_pin.errors import NotPositiveDefinite, ParameterError
 from asmc_pin.rigid_body.recursion import links_of
 
@@ -161,13 +161,13 @@ def test_compiled_norms_equal_pinocchio_and_lapack_on_random_chains(
     rng = np.random.default_rng(seed)
     q = rng.uniform(-2, 2, (8, joints))
     mass, mbar = arm.mass_matrix(q), rng.uniform(0.01, 0.05, joints)
-    norms = evaluate(compiled_norms.LEMMA1, arm.tree, q, mbar)
+    norms = figures_at(compiled_norms.LEMMA1, arm.tree, q, mbar)
     np.testing.assert_allclose(norms, [naive(m, mbar) for m in mass], rtol=1e-9, atol=1e-9)
-    weighted = evaluate(compiled_norms.WEIGHTED, arm.tree, q, mbar)
+    weighted = figures_at(compiled_norms.WEIGHTED, arm.tree, q, mbar)
     np.testing.assert_allclose(weighted, weighted_norm(mass, mbar), rtol=1e-9, atol=1e-9)
     # The joint that carries the whole arm does not matter.
     q[:, 0] += rng.uniform(-3, 3, 8)
-    np.testing.assert_allclose(evaluate(compiled_norms.LEMMA1, arm.tree, q, mbar), norms, rtol=1e-9)
+    np.testing.assert_allclose(figures_at(compiled_norms.LEMMA1, arm.tree, q, mbar), norms, rtol=1e-9)
 
 
 @pytest.mark.parametrize("name", ["kinova", "panda", "z1", "two_link"])
@@ -177,7 +177,7 @@ def test_compiled_norms_equal_pinocchio_and_lapack_on_named_arms(name: str) -> N
     mass = arm.mass_matrix(q)
     mbar = 0.3 * np.linalg.eigvalsh(mass).min() * np.ones(arm.nv)
     np.testing.assert_allclose(
-        evaluate(compiled_norms.LEMMA1, arm.tree, q, mbar), [naive(m, mbar) for m in mass], rtol=1e-9, atol=1e-9
+        figures_at(compiled_norms.LEMMA1, arm.tree, q, mbar), [naive(m, mbar) for m in mass], rtol=1e-9, atol=1e-9
     )
 
 
@@ -191,10 +191,10 @@ def test_gradients_equal_differences(tmp_path: Path, kind: int, prismatic: bool)
     armature = np.full(5, 0.01)
     for q in rng.uniform(-1.5, 1.5, (6, 5)):
         value = compiled_norms.figure_gradient(kind, links_of(arm.tree), armature, q, mbar, by_angle, by_armature)
-        assert value == pytest.approx(float(evaluate(kind, arm.tree, q[None], mbar)[0]), rel=1e-9)
+        assert value == pytest.approx(float(figures_at(kind, arm.tree, q[None], mbar)[0]), rel=1e-9)
         h, step = 1e-5, np.eye(5)
-        up, down = (evaluate(kind, arm.tree, q + s * h * step, mbar) for s in (1, -1))
+        up, down = (figures_at(kind, arm.tree, q + s * h * step, mbar) for s in (1, -1))
         np.testing.assert_allclose(by_angle, (up - down) / (2 * h), rtol=1e-5, atol=1e-5 * np.abs(by_angle).max())
         h = 1e-6
-        up, down = (evaluate(kind, arm.tree, np.tile(q, (5, 1)), mbar, 0.01 + s * h * step) for s in (1, -1))
+        up, down = (figures_at(kind, arm.tree, np.tile(q, (5, 1)), mbar, 0.01 + s * h * step) for s in (1, -1))
         np.testing.assert_allclose(by_armature, (up - down) / (2 * h), rtol=1e-5, atol=1e-5 * np.abs(by_armature).max())

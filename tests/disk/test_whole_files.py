@@ -17,9 +17,11 @@ from short_experiment import SHORT
 
 from asmc_pin.arms import load_arm
 from asmc_pin.cli.entry import main
-from asmc_pin.disk.files import check_writable, remove_leftovers, whole_folder, write_whole
+from asmc_pin.disk.file_access import check_writable
+from asmc_pin.disk.files import whole_folder, write_whole
+from asmc_pin.disk.unfinished import remove_leftovers
 from asmc_pin.errors import ResultError
-from asmc_pin.results.result_folder import check_target
+from asmc_pin.results.result_writing import check_target
 
 
 def names(folder: Path) -> list[str]:
@@ -248,7 +250,7 @@ def test_nothing_else_in_the_package_writes_to_a_place_of_the_users():
     # Into a folder that takes its place as a whole, the writer of its files need not be careful.
     within_a_whole_folder = {
         "study/comparing.py",
-        "results/result_folder.py",
+        "results/result_writing.py",
         "pages/figure_style.py",
         "disk/files.py",
         "cli/fault.py",

@@ -51,7 +51,7 @@ WRITING = (
     ("asmc_pin.study.run_monitors", "draw_theorems"),
     ("asmc_pin.pages.comparison_page", "report_html"),
     ("asmc_pin.results.result_folder", "load_result"),
-    ("asmc_pin.results.result_folder", "write_trajectories"),
+    ("asmc_pin.results.result_writing", "write_trajectories"),
 )
 """What writes and draws of a comparison, or reads what is to be drawn, and the module where it is looked up."""
 

@@ -4,82 +4,22 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from next_command import next_words
+from two_link_log import EXPERIMENT, PERIOD, found, logged
 
 import asmc_pin
-from asmc_pin import Identification, JointLog, identify, law_on_log, mbar_on_log
+from asmc_pin import JointLog, identify, law_on_log, mbar_on_log
 from asmc_pin.cli import main
 from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.identification.measured_load import measured_arm, measured_load
 from asmc_pin.identification.plant_file import plant_tables
 from asmc_pin.identification.torque_model import point_mass
 from asmc_pin.pages.identified.identification_page import write_identification_page
-
-PERIOD = 0.002
-LENGTH, START = 8.0, np.array([0.4, -0.3])
-COULOMB, VISCOUS = np.array([0.1, 0.05]), np.array([0.4, 0.3])
-LOAD = {"mass": 0.5, "com": [0.02, 0.0, 0.1]}
-
-
-def motion() -> asmc_pin.Reference:
-    return asmc_pin.REFERENCES["multisine"](
-        offset=START,
-        amplitude=[[0.7, 0.25], [0.8, 0.3]],
-        frequency=[[0.25, 0.7], [0.35, 0.8]],
-        phase=[[0.0, 1.0], [2.0, 0.5]],
-        rise=0.5,
-    )
-
-
-EXPERIMENT = f"""
-name = "two"
-period = {PERIOD}
-duration = {LENGTH}
-arm = "two_link"
-[reference]
-kind = "multisine"
-offset = [0.4, -0.3]
-amplitude = [[0.7, 0.25], [0.8, 0.3]]
-frequency = [[0.25, 0.7], [0.35, 0.8]]
-phase = [[0.0, 1.0], [2.0, 0.5]]
-rise = 0.5
-[defaults]
-mbar = [0.06, 0.025]
-ks = 30.0
-beta = 30.0
-[controllers.TDC]
-law = "ppc"
-[controllers.Soft]
-law = "ppc"
-mbar = [0.001, 0.0004]
-[controllers.Model]
-law = "computed_torque"
-coulomb = [0.1, 0.05]
-viscous = [0.4, 0.3]
-"""
-
-
-@cache
-def logged() -> JointLog:
-    """A run of the experiment's own law on a laden arm with friction, its sensors ideal."""
-    arm = asmc_pin.load_arm("two_link", payload=LOAD)
-    plant = asmc_pin.Plant(arm, friction=asmc_pin.Friction(COULOMB, VISCOUS), effort_limit=np.full(2, np.inf))
-    law = asmc_pin.CONTROLLERS["ppc"](mbar=[0.06, 0.025], ks=30.0, beta=30.0, period=PERIOD)
-    run = asmc_pin.rollout(plant, law, motion(), LENGTH)
-    assert run.status == ("ok",)
-    return JointLog(
-        "own", arm.joint_names, run.time, run.q[0], run.v[0], run.torque_measured[0], torque_side="motor", found=()
-    )
-
-
-@cache
-def found() -> Identification:
-    return identify(asmc_pin.load_arm("two_link"), logged(), fix=("stribeck", "torque_constant", "torque_offset"))
 
 
 @pytest.fixture
@@ -253,6 +193,24 @@ def test_the_command_says_what_the_law_and_its_mbar_would_have_done(experiment: 
         main(["identify", "two_link", saved, "--period", "0.002"])
     assert refused.value.code == 2
     assert "--mbar" in capsys.readouterr().err
+
+
+def test_what_follows_a_contradiction_puts_it_right_and_then_come_the_measured_plant_and_its_mbar(
+    saved: str, tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    table = pd.read_csv(saved)
+    table[["tau1", "tau2"]] *= -1.0
+    table.to_csv("wrong.csv", index=False)
+    words = ["identify", "two_link", "wrong.csv", "--fix", "stribeck", "--fix", "torque_offset"]
+    for status, option in ((1, "--motor-constant"), (0, "--out"), (0, "--plant")):
+        with pytest.raises(SystemExit) as ended:
+            main(words)
+        assert ended.value.code == status
+        words = next_words(capsys.readouterr().out)
+        assert option in words
+    assert words[:2] == ["design", "two_link"]
+    assert Path(words[words.index("--plant") + 1]).is_file()
 
 
 @pytest.mark.long

@@ -89,31 +89,42 @@ def altered(log: JointLog, **arrays: np.ndarray) -> JointLog:
 
 
 @pytest.mark.parametrize(
-    ("change", "named"),
+    ("change", "named", "mended"),
     [
-        (lambda log: altered(log, torque=log.torque * [1, 1, -1, 1, 1, 1]), "torque of joint elbow_joint has the opp"),
+        (
+            lambda log: altered(log, torque=log.torque * [1, 1, -1, 1, 1, 1]),
+            "torque of joint elbow_joint has the opp",
+            "--motor-constant 1,1,-1,1,1,1",
+        ),
         (
             lambda log: altered(log, q=log.q * [1, -1, 1, 1, 1, 1], v=log.v * [1, -1, 1, 1, 1, 1]),
             "angle of joint shoulder_lift_joint has the opposite sign",
+            "",
         ),
         (
             lambda log: altered(log, torque=log.torque[:, [0, 2, 1, 3, 4, 5]]),
             "torques of joints elbow_joint and shoulder_",
+            "",
         ),
-        (lambda log: altered(log, torque=log.torque[:, ::-1]), "reverse order"),
-        (lambda log: altered(log, torque=1e3 * log.torque), "N·mm"),
-        (lambda log: altered(log, torque=-log.torque), "all torques have the opposite sign"),
-        (lambda log: altered(log, q=np.rad2deg(log.q), v=None), "angles are in degrees"),
-        (lambda log: altered(log, v=-log.v), "velocity of joint shoulder_pan_joint has the opposite sign"),
-        (lambda log: altered(log, v=np.rad2deg(log.v)), "degrees/s"),
-        (lambda log: altered(log, v=log.v[:, [1, 0, 2, 3, 4, 5]]), "that of shoulder_lift_joint"),
+        (lambda log: altered(log, torque=log.torque[:, ::-1]), "reverse order", ""),
+        (lambda log: altered(log, torque=1e3 * log.torque), "N·mm", "--motor-constant 0.001"),
+        (lambda log: altered(log, torque=-log.torque), "all torques have the opposite sign", "--motor-constant -1"),
+        (lambda log: altered(log, q=np.rad2deg(log.q), v=None), "angles are in degrees", "--degrees"),
+        (
+            lambda log: altered(log, v=-log.v),
+            "velocity of joint shoulder_pan_joint has the opposite sign",
+            "--columns v=-",
+        ),
+        (lambda log: altered(log, v=np.rad2deg(log.v)), "degrees/s", "--columns v=-"),
+        (lambda log: altered(log, v=log.v[:, [1, 0, 2, 3, 4, 5]]), "that of shoulder_lift_joint", "--columns v=-"),
     ],
 )
-def test_a_wrong_sign_order_or_unit_is_named(change, named: str) -> None:
+def test_a_wrong_sign_order_or_unit_is_named_with_the_option_that_mends_it(change, named: str, mended: str) -> None:
     log = change(log_of("ur5"))
     found = suspect(UR5.nominal, filter_log(log), log)
     assert found
     assert named in "; ".join(each.text for each in found)
+    assert " ".join(found[0].options) == mended
 
 
 def test_a_base_that_hangs_or_leans_is_named_with_the_direction_of_gravity() -> None:
@@ -123,6 +134,9 @@ def test_a_base_that_hangs_or_leans_is_named_with_the_direction_of_gravity() -> 
     assert "gravity points along" in found[0].text
     numbers = [float(x) for x in found[0].text.split("(")[1].split(")")[0].split(",")]
     np.testing.assert_allclose(numbers, [0.0, 0.0, -9.81], atol=0.6)
+    option, given = found[0].options
+    assert option == "--gravity"
+    assert [float(x) for x in given.split(",")] == numbers
 
 
 @pytest.mark.parametrize("name", ARMS)

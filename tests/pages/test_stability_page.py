@@ -14,8 +14,8 @@ from asmc_pin.pages.stability_page import write_stability_page
 from asmc_pin.sampled import SampledLoop, drift_error, stability
 from asmc_pin.sampled.frozen_arms import frozen_arms
 from asmc_pin.sampled.loop_curves import LoopCurve, loop_curves
+from asmc_pin.sampled.noise.noise_response import noise_rms
 from asmc_pin.sampled.noise.sensor_model import loop_sensor
-from asmc_pin.sampled.noise.sensor_noise import noise_rms
 from asmc_pin.sampled.workspace_worst import workspace_of
 
 

@@ -10,6 +10,7 @@ import math
 import numpy as np
 import pytest
 from paths import DOCS
+from recorded_runs import recorded_run
 
 from asmc_pin import load_experiment, rollout
 from asmc_pin.disk.resources import shipped
@@ -17,14 +18,14 @@ from asmc_pin.errors import ExperimentError, ResultError
 from asmc_pin.metrics import METRICS, evaluate
 from asmc_pin.reproduction.error_bounds import break_away, limits, needed_gain
 from asmc_pin.reproduction.measured_figures import certainly_above, measure
-from asmc_pin.reproduction.paper_claims import CLAIMS, judge
+from asmc_pin.reproduction.paper_claims import CLAIMS, judged_claims
 from asmc_pin.reproduction.printed_tables import NAMES, PAPER
-from asmc_pin.reproduction.reading_search import factor, nearest, reconciled
-from asmc_pin.reproduction.readings import AXES, Outcome, read, readings
+from asmc_pin.reproduction.reading_search import factor, nearest_readings, reconciled
+from asmc_pin.reproduction.readings import AXES, ReadingOutcome, as_read, readings
 from asmc_pin.reproduction.reproducing import READINGS, SETS, reading_of, reproduce
 from asmc_pin.reproduction.reproduction_page import medians, page
 from asmc_pin.reproduction.tuned_rows import SUFFIX, untuned
-from asmc_pin.results.result_folder import recorded_run, trajectories
+from asmc_pin.results.result_writing import trajectories
 from asmc_pin.study.ensemble import starts
 from asmc_pin.study.tuning import tune_own_gains
 
@@ -132,14 +133,14 @@ def test_a_place_in_the_ordering_counts_only_where_the_paired_ratios_are_certain
 
     def judged(**changes):
         own = figures((1.0, 1.0)) | changes
-        return judge({**runs, "Proposed": own}, (0.9, 0.99), PAPER["baek2016_experiment"])[claim]
+        return judged_claims({**runs, "Proposed": own}, (0.9, 0.99), PAPER["baek2016_experiment"])[claim]
 
     assert judged(**sure)["verdict"] == "holds"
     unsure = judged(**open_)
     assert unsure["verdict"] == "in part"
     assert "1 to 2 (not certain) and 1 to 2 (not certain) of 3" in unsure["evidence"]
     beaten = {**runs, "Existing": figures((2.0, 2.0)) | {"certainly_above": [["PPC", "Proposed"]] * 2}}
-    lost = judge({**beaten, "Proposed": figures((1.0, 1.0)) | open_}, (0.9, 0.99), PAPER["baek2016_experiment"])
+    lost = judged_claims({**beaten, "Proposed": figures((1.0, 1.0)) | open_}, (0.9, 0.99), PAPER["baek2016_experiment"])
     assert lost[claim]["verdict"] == "does not hold"
 
 
@@ -163,7 +164,7 @@ def test_a_reconciled_file_differs_from_the_printed_one_in_its_reading_only(name
     assert (found.period, found.duration, found.plant) == (printed.period, printed.duration, printed.plant)
     reading = reading_of(name + "_reconciled")
     for label in ("PPC", "Proposed"):
-        expected = vars(read(printed.build_controllers()[label], reading))
+        expected = vars(as_read(printed.build_controllers()[label], reading))
         for key, value in vars(found.build_controllers()[label]).items():
             if isinstance(value, (float, np.ndarray)):
                 assert np.allclose(value, expected[key], rtol=1e-12), key
@@ -177,7 +178,7 @@ def test_the_reading_of_the_files_is_the_one_that_the_search_takes(data):
 
 def outcome(distance, torque=50.0, **changes):
     base = {axis: options[0] for axis, options in AXES.items()}
-    return (Outcome({**base, **changes}, {}, torque, 1.0, (1.0, 1.0), (distance**2,)),)
+    return (ReadingOutcome({**base, **changes}, {}, torque, 1.0, (1.0, 1.0), (distance**2,)),)
 
 
 def test_a_departure_is_taken_only_if_it_halves_the_distance():
@@ -192,7 +193,7 @@ def test_a_departure_is_taken_only_if_it_halves_the_distance():
 def test_a_reading_that_needs_too_much_torque_is_out():
     told = [PAPER["baek2016_simulation_smooth"]]
     good, better = outcome(math.log(5.0), torque=179.0), outcome(math.log(3.0), torque=181.0)
-    assert nearest([good, better], told) == [good]
+    assert nearest_readings([good, better], told) == [good]
 
 
 def test_a_reading_with_a_law_that_diverges_is_infinitely_far():
@@ -202,7 +203,7 @@ def test_a_reading_with_a_law_that_diverges_is_infinitely_far():
 def test_the_first_reading_is_what_is_printed():
     first = next(readings(combined=False))
     law = load_experiment("baek2016_experiment").build_controllers()["Proposed"]
-    same = read(law, first)
+    same = as_read(law, first)
     assert all(np.array_equal(vars(law)[key], vars(same)[key]) for key in ("phi", "alpha", "epsilon", "mbar", "ks"))
 
 
@@ -228,7 +229,9 @@ def verdicts(**changes):
         "Proposed": figures((0.0432, 0.0357)),
         **changes,
     }
-    return {key: item["verdict"] for key, item in judge(runs, (0.9, 0.99), PAPER["baek2016_experiment"]).items()}
+    return {
+        key: item["verdict"] for key, item in judged_claims(runs, (0.9, 0.99), PAPER["baek2016_experiment"]).items()
+    }
 
 
 def test_the_papers_own_numbers_hold():

@@ -17,10 +17,10 @@ from asmc_pin.errors import ResultError
 from asmc_pin.experiment import Experiment
 from asmc_pin.pages.comparison_page import report_html
 from asmc_pin.results import result_folder
-from asmc_pin.results.result_folder import (
+from asmc_pin.results.result_folder import load_result
+from asmc_pin.results.result_writing import (
     VARIABLES,
     check_target,
-    load_result,
     trajectories,
     whole_or_not_at_all,
     write_trajectories,

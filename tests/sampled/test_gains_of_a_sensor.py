@@ -16,7 +16,7 @@ from asmc_pin.sampled import LoopSensor, SampledLoop, closed_loop, loop_sensor, 
 from asmc_pin.sampled.frozen_arms import gravity_stiffness
 from asmc_pin.sampled.gain_choice.gain_design import GainDesign
 from asmc_pin.sampled.gain_choice.gains import suggest_gains
-from asmc_pin.sampled.noise.sensor_noise import noise_rms
+from asmc_pin.sampled.noise.noise_response import noise_rms
 from asmc_pin.sampled.proof.loop_certificate import certify_loop
 
 MBAR, PERIOD = 0.0444444, 0.001

@@ -18,7 +18,7 @@ from asmc_pin.condition.checker.balls.gravity_gain import small_gain_holds, stif
 from asmc_pin.condition.checker.reading.urdf_text import description
 from asmc_pin.sampled import spectral_radius
 from asmc_pin.sampled.frozen_arms import gravity_stiffness
-from asmc_pin.sampled.proof.gravity_proof import Pieces, pieces_of, stiffness_bound
+from asmc_pin.sampled.proof.gravity_proof import GravityForms, pieces_of, stiffness_bound
 
 pytestmark = pytest.mark.xdist_group("test_gravity_proof")  # they share what `cache` keeps
 
@@ -40,7 +40,7 @@ def _file(ks: float, beta: float, period: float) -> Any:
     return SimpleNamespace(ks=ks, beta=beta, period=period)
 
 
-def _said(pieces: Pieces) -> Any:
+def _said(pieces: GravityForms) -> Any:
     rows = pieces.forms.reshape(-1, 9)[:, [0, 1, 2, 4, 5, 8]].tolist()
     return SimpleNamespace(ends=tuple(pieces.ends.tolist()), forms=tuple(map(tuple, rows)))
 

@@ -16,9 +16,9 @@ from asmc_pin.experiment import Experiment
 from asmc_pin.plant import moving_arms
 from asmc_pin.sampled import stability
 from asmc_pin.sampled.gain_choice.gains import suggest_gains
+from asmc_pin.sampled.noise.noise_response import noise_rms
 from asmc_pin.sampled.noise.noise_warnings import noise_warnings
 from asmc_pin.sampled.noise.sensor_model import loop_sensor
-from asmc_pin.sampled.noise.sensor_noise import noise_rms
 from asmc_pin.study.comparison_notes import before_the_run
 
 MBAR = [0.02, 0.006]

@@ -20,9 +20,10 @@ from asmc_pin.experiment import Experiment
 from asmc_pin.plant import Friction, Plant, Sensor, moving_arms
 from asmc_pin.sampled import SampledLoop, closed_loop, stability
 from asmc_pin.sampled.frozen_arms import gravity_stiffness
+from asmc_pin.sampled.noise.noise_response import noise_rms, rounding_bound
 from asmc_pin.sampled.noise.noise_warnings import BUDGET, noise_warnings
 from asmc_pin.sampled.noise.sensor_model import LoopSensor, loop_sensor
-from asmc_pin.sampled.noise.sensor_noise import count_torque, noise_rms, rounding_bound
+from asmc_pin.sampled.noise.sensor_noise import count_torque
 from asmc_pin.sampled.workspace_worst import workspace_of
 from asmc_pin.study.comparison_notes import before_the_run
 from asmc_pin.study.plant_sensor import sensor_of_plant

@@ -24,6 +24,14 @@ def test_a_profile_is_the_one_that_is_counted_by_hand():
     assert profile.tolist() == [[0.6, 0.8, 0.8, 0.8, 0.8], [0.4, 0.6, 0.6, 0.8, 0.8]]
 
 
+def test_a_profile_is_scipys_empirical_distribution_of_the_ratios_to_the_best():
+    figures = np.random.default_rng(4).lognormal(size=(3, 40))
+    factors = np.geomspace(1.0, 20.0, 50)
+    for solver, profile in enumerate(performance_profile(figures, factors)):
+        ratios = figures[solver] / figures.min(axis=0)
+        assert profile == pytest.approx(stats.ecdf(ratios).cdf.evaluate(factors), abs=1e-12)
+
+
 def test_at_a_factor_of_one_a_profile_says_how_often_a_solver_wins_and_at_large_ones_how_often_it_works():
     assert performance_profile(FIGURES, np.array([1.0]))[:, 0].sum() == pytest.approx(1.0)
     assert performance_profile(FIGURES, np.array([1e300])).tolist() == [[0.8], [0.8]]

@@ -28,9 +28,6 @@ def rng():
     return np.random.default_rng(6)
 
 
-"""Draws that both laws of a pair share."""
-
-
 # Quantiles -----------------------------------------------------------------------------------------------------------
 
 
@@ -169,7 +166,10 @@ def test_ties_alone_are_no_evidence():
 
 
 def test_holm_gives_the_printed_adjusted_values():
-    # The example of R's and statsmodels' manuals: each p times the number not yet rejected, never falling.
+    # The examples in the manuals of Pingouin (`holm`) and of Julia's MultipleTesting (`Holm`).
+    assert holm(np.array([0.50, 0.003, 0.32, 0.054, 0.0003])) == pytest.approx([0.64, 0.012, 0.64, 0.162, 0.0015])
+    assert holm(np.array([0.001, 0.01, 0.03, 0.5])) == pytest.approx([0.004, 0.03, 0.06, 0.5])
+    # By hand, out of order: each p times the number not yet rejected, never falling.
     assert holm(np.array([0.01, 0.04, 0.03, 0.005])) == pytest.approx([0.03, 0.06, 0.06, 0.02])
     assert holm(np.array([0.5, 0.9])).tolist() == [1.0, 1.0]
 

@@ -8,6 +8,7 @@ import sys
 import tomllib
 
 import numpy as np
+import pandas as pd
 import pytest
 from short_experiment import SHORT
 
@@ -16,9 +17,11 @@ from asmc_pin.engine import rollout
 from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
+from asmc_pin.pages.tables.text_table import number
 from asmc_pin.results import result_folder
 from asmc_pin.study import compare
 from asmc_pin.study.ensemble import bands, check_size, first_trial, starts
+from asmc_pin.study.sensitivity_notes import sensitivity_lines
 
 LAWS = {
     "PPC": {"law": "ppc"},
@@ -206,7 +209,22 @@ def test_numerical_sensitivity_is_called_so_and_said_in_percent_of_the_figure(do
     rows = comparison.rows[comparison.rows.controller == "Proposed"]
     low, high = np.quantile(rows.rms_error.to_numpy().reshape(TRIALS, 2), [0.05, 0.95], axis=0)
     worst = int(np.argmax(high / low))
-    assert f"of Proposed by {100.0 * (high / low - 1.0)[worst]:.2g} % ({comparison.arm.joint_names[worst]})" in line
+    moved = number(100.0 * (high / low - 1.0)[worst], 2)
+    assert f"of Proposed by {moved} % ({comparison.arm.joint_names[worst]})" in line
+
+
+def test_a_figure_that_moves_by_more_than_itself_is_said_in_plain_digits():
+    rows = pd.DataFrame(
+        {
+            "controller": "Torn",
+            "trial": np.repeat(np.arange(3), 2),
+            "joint": ["a", "b"] * 3,
+            "status": "ok",
+            "rms_error": [1.0, 1.0, 2.0, 1.0, 3.0, 1.0],
+        }
+    )
+    (line,) = sensitivity_lines(experiment(), rows)
+    assert line.endswith("5 % to 95 % of 3 trials, of Torn by 164 % (a)")  # 2.9 over 1.1
 
 
 @pytest.mark.long

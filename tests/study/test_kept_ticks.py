@@ -10,13 +10,14 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from recorded_runs import recorded_run
 
 from asmc_pin.errors import ExperimentError, ParameterError, ResultError
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
 from asmc_pin.pages.comparison_page import report_text
 from asmc_pin.results.kept_ticks import reference_range
-from asmc_pin.results.result_folder import load_result, recorded_run
+from asmc_pin.results.result_folder import load_result
 from asmc_pin.study import compare
 from asmc_pin.sweeping.sweep_plan import sweep_plan
 from asmc_pin.sweeping.trial_replay import replay

@@ -7,11 +7,13 @@ import math
 
 import numpy as np
 import pytest
+from scipy import stats
 
 import asmc_pin
 from asmc_pin.controllers import CONTROLLERS
 from asmc_pin.errors import ExperimentError, ParameterError, ResultError
-from asmc_pin.pages.benches.bench_tables import bench_lines, problem_table
+from asmc_pin.pages.benches.bench_tables import bench_lines, mean_table, pair_table_of, problem_table
+from asmc_pin.suites.bench_result import bench_json
 from asmc_pin.suites.bench_verb import findings_of
 from asmc_pin.suites.cell_experiment import cell_experiment
 from asmc_pin.suites.cell_runs import CellResult, from_json
@@ -181,6 +183,27 @@ def test_a_failure_is_infinite_and_counts_in_ranks():
     assert found.failed.sum(axis=1).tolist() == [0, 5, 0]
 
 
+def test_the_shifted_means_of_a_law_over_arms_and_tasks_are_scipys_and_infinite_after_a_failure():
+    suite = load_suite().part(arms=["rv4fd", "ur5"], tasks=["smooth", "push"], laws=["ppc", "bsmc"])
+    figures = [1e-5, 2e-3, 4e-2, 0.3]
+    problems = [(arm, task) for arm in suite.arms for task in suite.tasks]
+    cells = [made("ppc", *each, [x]) for each, x in zip(problems, figures, strict=True)]
+    cells += [made("bsmc", *each, [x], kept=x > 1e-4) for each, x in zip(problems, figures, strict=True)]
+    found = findings_of(suite, cells)
+    mean, smooth, push = (stats.gmean(np.array(x) + 1e-5) - 1e-5 for x in (figures, figures[::2], figures[1::2]))
+    assert found.means().tolist() == [pytest.approx(mean, rel=1e-12), math.inf]
+    assert found.means("push").tolist() == [pytest.approx(push, rel=1e-12)] * 2
+    table = mean_table(found)
+    assert table.header == ["law", "smooth [rad]", "push [rad]", "all [rad]"]
+    rows = {row[0]: row[1:] for row in table.rows}
+    assert [float(x) for x in rows["ppc"]] == pytest.approx([smooth, push, mean], rel=0.01)
+    assert rows["bsmc"] == ["∞", rows["ppc"][1], "∞"]
+    told = bench_json(found, cells)["laws"]
+    assert told["ppc"]["shifted_mean"] == pytest.approx(mean, rel=1e-12)
+    assert told["bsmc"]["shifted_mean"] is None
+    assert told["bsmc"]["shifted_mean_of_task"] == {"smooth": None, "push": pytest.approx(push, rel=1e-12)}
+
+
 def test_it_is_said_plainly_who_fails_where_and_where_the_proposed_law_stands():
     found = findings()
     lines = "\n".join(bench_lines(found))
@@ -222,3 +245,23 @@ def test_mistakes_are_told(tmp_path):
     (tmp_path / "thesis" / "one.txt").write_text("years of work")
     with pytest.raises(ResultError, match="holds files that are no benchmark"):
         asmc_pin.bench(out=tmp_path / "thesis", **PART)
+
+
+def test_surely_is_said_of_all_pairs_at_once_and_one_pair_by_itself_is_told_as_such():
+    """ppc has twice the proposed law's figure everywhere; bsmc is far ahead in a few problems only."""
+    suite = load_suite().part(laws=["ppc", "bsmc", "baek2016"])
+    ahead = [
+        0.2 + 0.01 * j if j < 5 else 1.0 + 0.002 * j * (-1) ** j for j in range(len(suite.arms) * len(suite.tasks))
+    ]
+    cells = []
+    for (arm, task), small in zip(((a, t) for a in suite.arms for t in suite.tasks), ahead, strict=True):
+        for law, figure in (("ppc", 2.0), ("bsmc", small), ("baek2016", 1.0)):
+            cells.append(made(law, arm, task, [figure] * 3))
+    found = findings_of(suite, cells)
+    pairs = dict(found.verdicts_on("baek2016"))
+    assert pairs["bsmc"].certain
+    assert pairs["bsmc"].p > 0.05
+    lines = bench_lines(found)
+    assert "baek2016 is surely better than ppc" in lines
+    assert "baek2016 is worse than bsmc (pair by pair, not adjusted for all pairs at once)" in lines
+    assert {row[0]: row[-1] for row in pair_table_of(found, "baek2016").rows} == {"ppc": "yes", "bsmc": "pair"}

@@ -27,3 +27,12 @@ def run(*arguments: str, before: str = "", env: dict[str, str] | None = None, **
     """Status, standard output and error of a run, as text."""
     options = {"capture_output": True, "text": True, "encoding": "utf-8", "timeout": 300, **options}
     return subprocess.run(command(*arguments, before=before), env=environment(**(env or {})), **options)
+
+
+def group_lives(group: int) -> bool:
+    """Whether any process of a group is left; of a child that was started in a session of its own, its pid."""
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True

@@ -14,7 +14,7 @@ from asmc_pin.sweeping.block_rows import BlockRows
 from asmc_pin.sweeping.failure_scan import scan_ends
 from asmc_pin.sweeping.lockstep import TrialTables
 from asmc_pin.sweeping.sweep_plan import sweep_plan
-from asmc_pin.sweeping.trial_runs import Outcome
+from asmc_pin.sweeping.trial_runs import TrialOutcome, TrialRuns
 
 UNTIL = {"max_error": 0.03}
 AXIS = {"plant.friction.coulomb": {"scan": [0.0, 40.0], "until": UNTIL}}
@@ -29,13 +29,25 @@ class Pretended:
     def __call__(self, jobs, labels):
         self.asked += [job.tables["arm"]["payload"] for job in jobs]
         return {
-            (i, label): Outcome("a", (), "ppc", label, False, self._status(label, job), 1.0, {})
+            (i, label): TrialOutcome("a", (), "ppc", label, False, self._status(label, job), 1.0, {})
             for i, job in enumerate(jobs)
             for label in labels
         }
 
     def _status(self, label, job):
         return "diverged" if self.fails[label](job.tables["arm"]["payload"]) else "ok"
+
+
+class Counted(TrialRuns):
+    """Runs that count those of each controller."""
+
+    def __call__(self, jobs, labels=None):
+        for label in labels or ():
+            COUNT[label] = COUNT.get(label, 0) + len(jobs)
+        return super().__call__(jobs, labels)
+
+
+COUNT: dict[str, int] = {}
 
 
 def ends(fails, scan=(0.0, 8.0)):
@@ -118,3 +130,24 @@ def test_a_key_of_one_controller_is_told_of_that_one_and_compared_with_nobody(tm
     assert "controllers.PPC.beta" in told
     assert "way to the first failure" not in told
     assert "BSMC no failure" not in told
+
+
+@pytest.mark.parametrize("limit", [1.0, 1e-9])
+def test_in_a_scan_of_anothers_key_a_controller_runs_once_and_its_rows_are_those_of_running_it_everywhere(
+    limit, monkeypatch
+):
+    """With the limit at 1e-9 rad it fails at once, as it would wherever the key stood."""
+    experiment = tiny(
+        {"controllers.PPC.beta": {"scan": [5.0, 50.0], "until": {"max_error": limit}}},
+        controllers={"PPC": {"law": "ppc", "beta": 5.0}, "BSMC": {"law": "bsmc", "gain": 5.0, "boundary": 0.05}},
+    )
+    plan = sweep_plan(experiment, 2, 4, "key")
+    monkeypatch.setattr("asmc_pin.sweeping.block_rows.TrialRuns", Counted)
+    COUNT.clear()
+    once = BlockRows(plan).table(range(4)).to_pandas()
+    assert COUNT["BSMC"] == 2, "two draws, each scanned once"
+    assert COUNT["PPC"] == (2 if limit < 1.0 else 2 * 9)
+    monkeypatch.setattr("asmc_pin.experiment.variation.axes.VariedKey.concerns", lambda *_: True)
+    COUNT.clear()
+    assert BlockRows(plan).table(range(4)).to_pandas().equals(once)
+    assert COUNT["BSMC"] == COUNT["PPC"]

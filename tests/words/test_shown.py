@@ -43,7 +43,8 @@ def runs(compared):
 @pytest.fixture(scope="module")
 def things(arm, report, compared, runs):
     loop = asmc_pin.stability(arm, SMALL, 5.0, 5.0, 0.001, samples=64, limits=False)
-    return [arm, report, loop, asmc_pin.design(arm, explain=False), compared, compared.experiment, *runs]
+    read = asmc_pin.load_result(compared.out)
+    return [arm, report, loop, asmc_pin.design(arm, explain=False), compared, compared.experiment, read, *runs]
 
 
 def text_of(html: str) -> str:
@@ -124,6 +125,23 @@ def test_one_trial_that_diverged_does_not_hide_the_others(runs):
     )
     assert mixed.table() == good.table()
     assert "1 diverged" in str(mixed)
+
+
+def test_every_table_of_an_object_is_one_in_a_notebook_too():
+    seen = asmc_pin.inspect("two_link")
+    assert len(seen.tables()) == 2
+    assert seen._repr_html_().count("<table>") == 2
+    header = aligned(seen.bodies())[0]
+    assert header in str(seen)
+    assert header not in text_of(seen._repr_html_())
+
+
+def test_an_experiment_says_in_words_what_its_arm_carries(compared):
+    laden = compared.experiment.replace(
+        arm={"source": "two_link", "payload": {"mass": 2.0, "com": [0.0, 0.0, 0.1], "link": "tip"}, "repair": True}
+    )
+    said = laden.lines()[0]
+    assert said.endswith("on two_link, payload 2 kg at (0, 0, 0.1) m on tip, repair")
 
 
 def test_a_design_that_does_not_exist_has_dashes(arm):

@@ -11,7 +11,7 @@ from asmc_pin.words.provisos import EXPANDED_XACRO, Proviso
 
 
 @dataclass(frozen=True)
-class Carried:
+class CarriedUrdf:
     """What a result says of an arm that came from a xacro file.
 
     Attributes:
@@ -25,7 +25,7 @@ class Carried:
     provisos: tuple[Proviso, ...]
 
 
-def carried_urdf(path: Path, told: Mapping[str, Any]) -> Carried | None:
+def carried_urdf(path: Path, told: Mapping[str, Any]) -> CarriedUrdf | None:
     """The URDF beside a result, if its arm came from a xacro file.
 
     Args:
@@ -35,4 +35,4 @@ def carried_urdf(path: Path, told: Mapping[str, Any]) -> Carried | None:
     provisos = tuple(Proviso(each["kind"], each["text"]) for each in told.get("provisos", ()))
     if not any(proviso.kind == EXPANDED_XACRO for proviso in provisos) or not path.is_file():
         return None
-    return Carried(path, str(told.get("sha256", "")), provisos)
+    return CarriedUrdf(path, str(told.get("sha256", "")), provisos)

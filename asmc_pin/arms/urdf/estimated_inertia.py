@@ -14,7 +14,6 @@ import numpy as np
 from lxml import etree
 
 from asmc_pin._typing import Array
-from asmc_pin.arms.registry import nearest
 from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.arms.urdf.magnitudes import MASS
 from asmc_pin.arms.urdf.rigid_inertia import ENTRIES
@@ -22,6 +21,7 @@ from asmc_pin.arms.urdf.solid_shapes import KINDS, LinkSolid, solids_of
 from asmc_pin.arms.urdf.urdf_document import Document
 from asmc_pin.arms.urdf.urdf_structure import MOVING, check_structure
 from asmc_pin.errors import ArmError, ParameterError
+from asmc_pin.words.nearest_name import nearest
 from asmc_pin.words.provisos import Proviso
 from asmc_pin.words.text import counted, printable
 

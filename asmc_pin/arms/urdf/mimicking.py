@@ -21,7 +21,7 @@ _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
-class Followed:
+class SettledMimics:
     """The joints of an arm, settled.
 
     Attributes:
@@ -39,7 +39,7 @@ class Followed:
     faults: tuple[Fault, ...] = ()
 
 
-def settle_mimics(robot: Robot, joints: Sequence[Joint], lock: Collection[str]) -> Followed:
+def settle_mimics(robot: Robot, joints: Sequence[Joint], lock: Collection[str]) -> SettledMimics:
     """Find what follows what.
 
     Args:
@@ -74,7 +74,7 @@ def settle_mimics(robot: Robot, joints: Sequence[Joint], lock: Collection[str]) 
             merged, said = _merged(joint, behind)
             driven.append(merged)
             notes += said
-    return Followed(coupling, tuple(driven), mimics, tuple(notes), tuple(faults.values()))
+    return SettledMimics(coupling, tuple(driven), mimics, tuple(notes), tuple(faults.values()))
 
 
 def _is_followed(mimics: Mapping[str, Mimic], other: Joint, joint: Joint) -> bool:

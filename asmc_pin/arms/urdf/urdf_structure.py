@@ -7,12 +7,12 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from asmc_pin.arms.registry import nearest
 from asmc_pin.arms.urdf.faults import Fault, refused
 from asmc_pin.arms.urdf.magnitudes import LENGTH
 from asmc_pin.arms.urdf.urdf_document import Document
 from asmc_pin.disk.reading import shown
 from asmc_pin.errors import ArmError
+from asmc_pin.words.nearest_name import nearest
 from asmc_pin.words.text import as_number, printable
 
 MOST_LINKS = 1_000

@@ -12,10 +12,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from asmc_pin.arms.registry import nearest
 from asmc_pin.arms.sources.robot_files import RobotFiles, declared_package
 from asmc_pin.disk.reading import shown
 from asmc_pin.errors import ArmError, ParameterError
+from asmc_pin.words.nearest_name import nearest
 from asmc_pin.words.provisos import EXPANDED_XACRO, Proviso
 from asmc_pin.words.text import printable
 

@@ -10,6 +10,7 @@ import typer
 from asmc_pin.cli.app import STUDIES, app
 from asmc_pin.cli.console import announce_compiling, print_json, progress_bar, say
 from asmc_pin.cli.interrupt import stopping_short
+from asmc_pin.cli.next_step import say_next
 from asmc_pin.cli.options import JsonOption
 
 
@@ -42,7 +43,7 @@ def bench(
 
     load_suite(suite).part(quick=quick, arms=arm, tasks=task, laws=law)  # what is mistyped is said at once
     if report is not None:
-        from asmc_pin.disk.files import check_writable
+        from asmc_pin.disk.file_access import check_writable
         from asmc_pin.pages.plates import is_html
 
         is_html(Path(report))
@@ -66,3 +67,4 @@ def bench(
         print_json(found.to_json_dict())
     else:
         say(*str(found).split("\n"))
+        say_next("gains for an arm and a motion of your own", "asmc-pin new mine.toml --from ur5_tuning")

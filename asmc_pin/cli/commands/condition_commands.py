@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from asmc_pin.cli import interrupt
 from asmc_pin.cli.app import MBAR, app
-from asmc_pin.cli.console import note, print_json, progress_bar, rich_console, say
-from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
+from asmc_pin.cli.asked_proofs import check_proof_options, condition_proof
+from asmc_pin.cli.condition_output import EXIT, print_verdict, write_page
+from asmc_pin.cli.console import print_json, say
 from asmc_pin.cli.low_passed_condition import low_passed_conditions
 from asmc_pin.cli.next_step import again, say_next
+from asmc_pin.cli.opening_arms import open_domain
+from asmc_pin.cli.option_groups.grouping import takes_option_groups
+from asmc_pin.cli.option_groups.loading_options import NOTHING, LoadingOptions
 from asmc_pin.cli.options import (
     ArmArgument,
     BoxOption,
@@ -24,25 +26,23 @@ from asmc_pin.cli.options import (
     JsonOption,
     MbarOption,
     ReportOption,
+    check_count,
     parse_box,
     per_joint,
+    report_path,
 )
-from asmc_pin.disk.files import check_readable, check_writable
+from asmc_pin.disk.file_access import check_readable
 from asmc_pin.errors import ParameterError
-from asmc_pin.words.text import visible
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
-    from asmc_pin.condition import ConditionReport, DesignReport
 
 RECORDINGS = (".csv", ".csv.gz", ".parquet")
 """Endings of recorded data."""
 
-EXIT = {"holds": 0, "unrefuted": 0, "violated": 1, "undecided": 3}
-
 
 @app.command(rich_help_panel=MBAR)
-@takes_loading_options()
+@takes_option_groups()
 def verify(
     context: typer.Context,
     arm: ArmArgument,
@@ -77,8 +77,9 @@ def verify(
     if tube is not None and along is None:
         raise ParameterError("--tube", "is around a motion: add --along EXPERIMENT or a CSV of recorded data")
     values, ranges = per_joint(mbar, "--mbar"), parse_box(box)
-    check_motion(along)
+    _check_along(along)
     loaded, domain = open_domain(arm, loading)
+    check_count(values, "--mbar", loaded)
     seen = along is None and not domain
     from asmc_pin.condition import verify as run
 
@@ -90,7 +91,7 @@ def verify(
     low_passed = low_passed_conditions(options.get("along"), loaded, **domain, **options)
     if certify:
         options.pop("samples", None)
-        found = prove(loaded, values, found, certificate, gap=gap, budget=budget, **domain, **options)
+        found = condition_proof(loaded, values, found, certificate, gap=gap, budget=budget, **domain, **options)
     write_page(found, loaded, page)
     if as_json:
         others = {item.label: item.to_json_dict() for item in low_passed}
@@ -127,7 +128,7 @@ def _say_next(context: typer.Context, verdict: str, *, proves: bool, seen: bool,
         )
 
 
-def check_motion(along: str | None) -> None:
+def _check_along(along: str | None) -> None:
     """Say that ``--along`` is neither a file nor an experiment before anything is loaded for it."""
     if along is None:
         return
@@ -150,58 +151,6 @@ def _motion(along: str, arm: Arm) -> Any:
     return load_experiment(along, import_laws=False)
 
 
-def prove(
-    arm: Arm, mbar: float | list[float], found: ConditionReport, certificate: str | None, **options: Any
-) -> ConditionReport:
-    """Join a search's report with a proof of the same statement; after Ctrl-C with what is proven by then."""
-    from asmc_pin.condition.certificate import certify
-    from asmc_pin.condition.certificate.search_and_proof import certified
-
-    budget = options["budget"]
-    with interrupt.stopping_short() as go_on, progress_bar() as show:
-
-        def tell(state: Any) -> None:
-            go_on()
-            what = f"proven M̄ × {state.proven:.4g}, refuted × {state.refuted:.4g}, {state.trying}"
-            show(what, min(state.seconds / budget, 1.0))
-
-        result = certify(arm, mbar, progress=tell, **options)
-    if certificate is not None:
-        from asmc_pin.condition.certificate.writing import unwritable
-
-        if why := unwritable(result.cases):
-            note(f"{why}; none was written to {certificate}")
-        elif result.proofs:
-            note(f"certificate: {result.save(certificate)}")
-        else:
-            note(f"nothing is proven, so no certificate was written to {certificate}")
-    return certified(found, result)
-
-
-def print_verdict(report: ConditionReport) -> None:
-    """Print a report of the condition for a person to read: what it is about first; angles in degrees too."""
-    from rich.table import Column, Table
-    from rich.text import Text
-
-    console = rich_console()
-
-    def tell(line: str, style: str = "") -> None:
-        console.print(Text(visible(line), style), soft_wrap=True)
-
-    style = {"holds": "bold green", "unrefuted": "bold green", "violated": "bold red"}.get(
-        report.verdict, "bold yellow"
-    )
-    for line in report.lines():
-        tell(line, style if line == report.headline() else "")
-    header, rows = report.table()
-    table = Table(Column(header[0], overflow="fold"), *header[1:], box=None, pad_edge=False)
-    for row in rows:
-        table.add_row(*row)
-    console.print(table)
-    for line in report.remarks():
-        tell(line)
-
-
 def _print_tde_error(along: Any, arm: Arm, mbar: float | list[float]) -> None:
     """The TDE error that M̄ would have made along recorded motion, where its torque was recorded too."""
     from asmc_pin.condition.domain.recorded_motion import Recording, tde_error
@@ -213,31 +162,3 @@ def _print_tde_error(along: Any, arm: Arm, mbar: float | list[float]) -> None:
     error = np.nanmax(np.abs(tde_error(arm, mbar, along)), axis=0)
     figures = ", ".join(f"{name} {value:.4g}" for name, value in zip(arm.joint_names, error, strict=True))
     say(f"largest TDE error |N| that M̄ would have made, rad/s²: {figures}")
-
-
-def check_proof_options(certify: bool, certificate: str | None) -> None:
-    """A certificate is what a proof leaves."""
-    if certificate is not None and not certify:
-        raise ParameterError("--certificate", "is what --certify proves: add --certify")
-    if certificate is not None and Path(certificate).parent.exists():  # else it is made
-        check_writable(certificate)
-
-
-def write_page(report: ConditionReport | DesignReport, arm: Arm, page: Path | None) -> None:
-    """``--report FILE``, if it was asked for."""
-    if page is not None:
-        from asmc_pin.pages.condition_page import write_condition_report
-
-        write_condition_report(report, arm, page)
-        note(f"report: {page}")
-
-
-def report_path(text: str | None) -> Path | None:
-    """``--report FILE``; the suffix chooses the form."""
-    if text is None:
-        return None
-    path = Path(text)
-    if path.suffix.lower() not in (".html", ".md"):
-        raise ParameterError("--report", f"'{text}' ends in neither .html nor .md; the ending chooses the form")
-    check_writable(path)
-    return path

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from asmc_pin.cli.app import PICTURES, app
 from asmc_pin.cli.console import progress_bar, say
-from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_single, takes_loading_options
+from asmc_pin.cli.opening_arms import open_single
+from asmc_pin.cli.option_groups.grouping import takes_option_groups
+from asmc_pin.cli.option_groups.loading_options import NOTHING, ONE_VALUE, LoadingOptions
 from asmc_pin.cli.options import (
     ArmArgument,
     BoxOption,
@@ -17,15 +18,17 @@ from asmc_pin.cli.options import (
     CertifyOption,
     ConditionOption,
     MbarOption,
+    check_count,
+    check_output,
     parse_box,
     per_joint,
 )
-from asmc_pin.disk.files import check_readable, check_writable
+from asmc_pin.disk.file_access import check_readable
 from asmc_pin.errors import ParameterError
 
 
 @app.command(rich_help_panel=PICTURES)
-@takes_loading_options(ranges=False)
+@takes_option_groups(instead=ONE_VALUE)
 def explore(
     arm: ArmArgument,
     mbar: MbarOption,
@@ -57,10 +60,10 @@ def explore(
         raise ParameterError("--certificate", "has boxes of its own: leave --certify out")
     if certificate is not None:
         check_readable(certificate, "the certificate")
-    if html is not None and Path(html).parent.exists():  # else it is made
-        check_writable(html)
+    check_output(html)
     values, ranges = per_joint(mbar, "--mbar"), parse_box(box)
     loaded = open_single(arm, loading)
+    check_count(values, "--mbar", loaded)
     from asmc_pin.exploring.exploring_verb import checked_gains, look
 
     gains = checked_gains(ks, beta, period)

@@ -10,6 +10,7 @@ import typer
 from asmc_pin.cli.app import ROBOT, app
 from asmc_pin.cli.commands.study_commands import ExperimentArgument
 from asmc_pin.cli.console import announce_compiling, print_json, say
+from asmc_pin.cli.next_step import say_next
 from asmc_pin.cli.options import JsonOption, per_joint
 from asmc_pin.words.choices import RealType, Target
 
@@ -70,3 +71,4 @@ def export(
         print_json(done.to_json_dict())
     else:
         say(*done.lines())
+        say_next("the same ticks on the robot's own computer", done.check_yourself())

@@ -9,9 +9,22 @@ import typer
 
 from asmc_pin.cli.app import LISTS, app
 from asmc_pin.cli.console import announce_compiling, note, print_json, say
-from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_single, takes_loading_options
-from asmc_pin.cli.options import ArmArgument, JsonOption, ReportOption, assignments, number, numbers, per_joint
-from asmc_pin.disk.files import check_readable, check_writable
+from asmc_pin.cli.next_step import again, say_next
+from asmc_pin.cli.opening_arms import open_single
+from asmc_pin.cli.option_groups.grouping import takes_option_groups
+from asmc_pin.cli.option_groups.loading_options import NOTHING, LoadingOptions
+from asmc_pin.cli.options import (
+    ArmArgument,
+    JsonOption,
+    ReportOption,
+    assignments,
+    check_count,
+    check_output,
+    number,
+    numbers,
+    per_joint,
+)
+from asmc_pin.disk.file_access import check_readable
 from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -21,8 +34,9 @@ if TYPE_CHECKING:
 
 
 @app.command(rich_help_panel=LISTS)
-@takes_loading_options(without=("plant",))
+@takes_option_groups(without=("plant",))
 def identify(
+    context: typer.Context,
     arm: ArmArgument,
     log: Annotated[
         str,
@@ -110,8 +124,7 @@ def identify(
         topic=topic,
     )
     for path in (out, report):
-        if path is not None and Path(path).parent.exists():  # else it is made
-            check_writable(path)
+        check_output(path)
     if report is not None:
         from asmc_pin.pages.plates import is_html
 
@@ -125,6 +138,7 @@ def identify(
 
         find_experiment(law[0])
     loaded = open_single(arm, loading)
+    check_count(values, "--mbar", loaded)
     from asmc_pin.identification.identifying import identify as run
 
     found = run(loaded, log, options=options, cutoff_hz=cutoff_hz, fix=fix or ())
@@ -148,7 +162,31 @@ def identify(
     else:
         for each in (found, along, ran):
             say(*([] if each is None else str(each).split("\n")))
+        _say_next(context, found, log=log, out=out)
     raise typer.Exit(1 if found.suspicions else 0)
+
+
+_ABOUT_THE_LOG = ("columns", "degrees", "time_unit", "motor_constant", "torque_side", "topic", "cutoff_hz", "fix")
+
+
+def _say_next(context: typer.Context, found: Identification, *, log: str, out: str | None) -> None:
+    """Mend the log's options where they mend it, else look into the URDF; use what was measured."""
+    asked = (*_ABOUT_THE_LOG, "mbar", "period", "law", "out", "report")
+    mending = found.suspicions[0].options if found.suspicions else ()
+    if mending and not context.params[mending[0].removeprefix("--").replace("-", "_")]:
+        say_next("the same with that put right", again(context, "identify", log, *mending, also=asked))
+    elif found.suspicions:
+        say_next("what the URDF says of each joint's axis", again(context, "inspect"))
+    elif out is None:
+        file = f"{Path(log).name.partition('.')[0]}_measured.toml"
+        said = again(context, "identify", log, "--out", file, also=asked)
+        say_next("the measured plant as a file that other commands take", said)
+    else:
+        # What the file has as well may not be said twice.
+        own = {"payload": ("payload", "payload_com", "payload_inertia"), "armature": ("armature",)}
+        measured = {name.partition(".")[0] for name in found.parameters} & set(own)
+        said = again(context, "design", "--plant", out, without=[option for kind in measured for option in own[kind]])
+        say_next("the M̄ that suits the arm as measured best", said)
 
 
 def _hindsight(

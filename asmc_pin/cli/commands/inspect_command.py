@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from asmc_pin.cli.app import LISTS, app
 from asmc_pin.cli.console import note, print_json, say
-from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, single_keywords, takes_loading_options
-from asmc_pin.cli.options import ArmArgument, JsonOption
-from asmc_pin.disk.files import check_writable
+from asmc_pin.cli.next_step import again, say_next
+from asmc_pin.cli.option_groups.grouping import takes_option_groups
+from asmc_pin.cli.option_groups.loading_options import NOTHING, ONE_VALUE, LoadingOptions
+from asmc_pin.cli.option_groups.loading_values import single_keywords
+from asmc_pin.cli.options import ArmArgument, JsonOption, check_output
+
+if TYPE_CHECKING:
+    from asmc_pin.inspection.inspection_report import Inspection
 
 
 @app.command(rich_help_panel=LISTS)
-@takes_loading_options(ranges=False)
+@takes_option_groups(instead=ONE_VALUE)
 def inspect(
+    context: typer.Context,
     arm: ArmArgument,
     html: Annotated[
         str | None,
@@ -31,8 +36,7 @@ def inspect(
     of it can be told.
     """
     keywords = single_keywords(loading)
-    if html is not None and Path(html).parent.exists():  # else it is made
-        check_writable(html)
+    check_output(html)
     from asmc_pin.inspection import inspect as run
 
     found = run(arm, **keywords)
@@ -45,4 +49,18 @@ def inspect(
         print_json(found.to_json_dict())
     else:
         say(*str(found).split("\n"))
+        _say_next(context, found, drawn=html is not None)
     raise typer.Exit(1 if found.refusal else 0)
+
+
+def _say_next(context: typer.Context, found: Inspection, *, drawn: bool) -> None:
+    """Mend what is refused; look at what is doubtful; else go on to the question that an arm is loaded for."""
+    if found.refusal and "--repair" in found.refusal and not context.params["repair"]:
+        say_next("what a repair makes of it", again(context, "inspect", "--repair"))
+    elif found.refusal:
+        say_next("when that is mended", again(context, "inspect"))
+    elif any(doubt.serious for doubt in found.doubts) and not drawn:
+        page = f"{found.source.stem}.html"
+        say_next("a picture of the bodies that are meant", again(context, "inspect", "--html", page))
+    else:
+        say_next("the M̄ that suits M(q) best", again(context, "design"))

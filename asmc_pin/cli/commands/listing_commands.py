@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import asdict
 from typing import Annotated, Any
 
@@ -12,6 +11,7 @@ from asmc_pin.cli.app import LISTS, app
 from asmc_pin.cli.console import print_json, rich_console, say
 from asmc_pin.cli.options import JsonOption
 from asmc_pin.errors import ParameterError
+from asmc_pin.words.nearest_name import nearest
 
 Rows = tuple[list[str], list[list[str]]]
 
@@ -95,9 +95,7 @@ def controllers(
         card, limits = law_card(name, CONTROLLERS[name]), stable_words(law)
     else:
         known = [*CONTROLLERS, *BASELINES]
-        near = difflib.get_close_matches(name, known, n=1)
-        said = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(known)}"
-        raise ParameterError("NAME", f"there is no card of a law '{name}': {said}")
+        raise ParameterError("NAME", f"there is no card of a law '{name}': {nearest(name, known)}")
     costs = {batch: 1e6 * cost_per_tick(law, batch, joints) for batch in (1, 256)}
     if as_json:
         figures = {str(batch): cost for batch, cost in costs.items()}

@@ -9,19 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from asmc_pin.cli.app import MBAR, app
-from asmc_pin.cli.commands.condition_commands import check_proof_options, report_path
+from asmc_pin.cli.asked_proofs import check_proof_options, loop_proof
 from asmc_pin.cli.console import note, print_json, say
-from asmc_pin.cli.loading_options import NOTHING, LoadingOptions, open_domain, takes_loading_options
-from asmc_pin.cli.loop_options import (
-    AccelerationOption,
-    DelayOption,
-    FilterOption,
-    LawOption,
-    SetOption,
-    law_of,
-    loop_proof_of,
-)
-from asmc_pin.cli.next_step import SENSED, again, say_next
+from asmc_pin.cli.next_step import again, say_next
+from asmc_pin.cli.opening_arms import open_domain
+from asmc_pin.cli.option_groups.grouping import takes_option_groups
+from asmc_pin.cli.option_groups.law_options import LawOption, SetOption, law_of
+from asmc_pin.cli.option_groups.loading_options import NOTHING, LoadingOptions
+from asmc_pin.cli.option_groups.loop_options import BARE_LOOP, LOOP_NAMES, LoopOptions
 from asmc_pin.cli.options import (
     ArmArgument,
     BoxOption,
@@ -30,20 +25,11 @@ from asmc_pin.cli.options import (
     CertifyOption,
     JsonOption,
     MbarOption,
+    check_count,
     number,
     parse_box,
     per_joint,
-)
-from asmc_pin.cli.sensor_options import (
-    EncoderBitsOption,
-    EncoderSideOption,
-    GearOption,
-    PairingOption,
-    TorqueNoiseOption,
-    VelocityFilterOption,
-    VelocityNoiseOption,
-    VelocityOption,
-    sensor_of,
+    report_path,
 )
 from asmc_pin.errors import ParameterError
 
@@ -52,7 +38,7 @@ if TYPE_CHECKING:
 
 
 @app.command(rich_help_panel=MBAR)
-@takes_loading_options()
+@takes_option_groups()
 def stability(
     context: typer.Context,
     arm: ArmArgument,
@@ -62,17 +48,7 @@ def stability(
     period: Annotated[str, typer.Option(metavar="S", help="Control period L.")],
     law: LawOption = None,
     settings: SetOption = None,
-    acceleration: AccelerationOption = "velocity",
-    filter_hz: FilterOption = None,
-    delay: DelayOption = 0.0,
-    velocity: VelocityOption = None,
-    velocity_filter_hz: VelocityFilterOption = None,
-    pairing: PairingOption = "matched",
-    encoder_bits: EncoderBitsOption = None,
-    encoder_side: EncoderSideOption = "joint",
-    gear: GearOption = None,
-    velocity_noise: VelocityNoiseOption = None,
-    torque_noise: TorqueNoiseOption = None,
+    timing: LoopOptions = BARE_LOOP,
     box: BoxOption = None,
     loading: LoadingOptions = NOTHING,
     certify: CertifyOption = False,
@@ -98,53 +74,25 @@ def stability(
     values, slopes, ranges = per_joint(mbar, "--mbar"), per_joint(ks, "--ks"), parse_box(box)
     rate, length = number(beta, "--beta", "what may differ from joint to joint is --ks"), number(period, "--period")
     loaded, domain = open_domain(arm, loading)
-    sensor = sensor_of(
-        loaded.nv,
-        velocity=velocity,
-        velocity_filter_hz=velocity_filter_hz,
-        encoder_bits=encoder_bits,
-        encoder_side=encoder_side,
-        gear=gear,
-        velocity_noise=velocity_noise,
-        torque_noise=torque_noise,
-    )
+    check_count(values, "--mbar", loaded)
+    check_count(slopes, "--ks", loaded)
+    sensor = timing.sensor(loaded.nv)
     # A law cannot see that the drives make v by difference; an experiment says so too.
-    differs = sensor is not None and sensor.timing["velocity"] == "difference"
-    paired = "mean" if pairing == "matched" and differs else pairing
-    chosen = law_of(
-        law,
-        settings,
-        mbar=values,
-        ks=slopes,
-        beta=rate,
-        period=length,
-        acceleration=acceleration,
-        filter_hz=filter_hz,
-        pairing=paired,
-    )
+    paired = timing.pairing
+    if paired == "matched" and sensor.timing["velocity"] == "difference":
+        paired = "mean"
+    shared = {"mbar": values, "ks": slopes, "beta": rate, "period": length}
+    filtered = {"acceleration": timing.acceleration, "filter_hz": timing.filter_hz, "pairing": paired}
+    chosen = law_of(law, settings, **shared, **filtered)
     from asmc_pin.sampled import stability as run
 
     found = run(
-        loaded,
-        values,
-        slopes,
-        rate,
-        length,
-        acceleration=acceleration,
-        filter_hz=filter_hz,
-        delay=delay,
-        sensor=sensor,
-        pairing=pairing,
-        law=chosen,
-        box=ranges,
-        **domain,
+        loaded, values, slopes, rate, length, **timing.timing(), sensor=sensor, law=chosen, box=ranges, **domain
     )
     if certify and chosen is not None:
         _refuse_proof(context, found.loop)
     if certify:
-        found = replace(
-            found, proof=loop_proof_of(loaded, found.loop, certificate, budget=budget, box=ranges, **domain)
-        )
+        found = replace(found, proof=loop_proof(loaded, found.loop, certificate, budget=budget, box=ranges, **domain))
     if figures is not None:
         from asmc_pin.pages.stability_figures import save_figures
 
@@ -168,9 +116,9 @@ def stability(
 def _say_next(context: typer.Context, found: StabilityReport, *, law: str | None, certify: bool, budget: float) -> None:
     from asmc_pin.sampled.proof.loop_certificate import not_plain
 
-    asked = ("mbar", "ks", "beta", "period", "law", "settings", *SENSED)
+    asked = ("mbar", "ks", "beta", "period", "law", "settings", *LOOP_NAMES)
     if not found.stable and law is None:
-        say_next("gains that this period bears", again(context, "design", "--gains", also=("period", *SENSED)))
+        say_next("gains that this period bears", again(context, "design", "--gains", also=("period", *LOOP_NAMES)))
     elif not found.stable:
         say_next("what the law's parameters do", shlex.join(["asmc-pin", "controllers", str(law)]))
     elif found.proof is not None and found.proof.verdict == "undecided":

@@ -9,10 +9,10 @@ import typer
 
 from asmc_pin.cli.app import PICTURES, STUDIES, app
 from asmc_pin.cli.console import announce_compiling, note, print_json, progress_bar, rich_console, say
-from asmc_pin.cli.loading_options import tell_doubts
 from asmc_pin.cli.next_step import say_next
+from asmc_pin.cli.opening_arms import tell_doubts
 from asmc_pin.cli.options import JsonOption
-from asmc_pin.disk.files import check_writable
+from asmc_pin.disk.file_access import check_writable
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.text import visible
 
@@ -139,7 +139,7 @@ def view(
 @app.command(rich_help_panel=STUDIES)
 def demo() -> None:
     """Verify an M̄ on the UR5, compare four controllers on it, and write results/demo with a report."""
-    from asmc_pin.cli.commands.condition_commands import print_verdict
+    from asmc_pin.cli.condition_output import print_verdict
     from asmc_pin.condition import verify
     from asmc_pin.experiment import load_experiment
     from asmc_pin.study import compare as run

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -11,6 +12,7 @@ from asmc_pin.cli.app import STUDIES, app
 from asmc_pin.cli.commands.study_commands import ExperimentArgument, MeasuredOption, print_comparison, warn
 from asmc_pin.cli.console import announce_compiling, print_json, progress_bar, say
 from asmc_pin.cli.interrupt import stopping_short
+from asmc_pin.cli.next_step import say_next
 from asmc_pin.cli.options import JsonOption
 
 
@@ -55,7 +57,7 @@ def sweep(
 
     loaded = load_experiment(experiment, plant=plant)
     if report is not None:
-        from asmc_pin.disk.files import check_writable
+        from asmc_pin.disk.file_access import check_writable
         from asmc_pin.pages.plates import is_html
 
         is_html(Path(report))
@@ -70,6 +72,7 @@ def sweep(
             print_json(comparison.to_json_dict())
         else:
             print_comparison(comparison)
+            say_next("watch the motion", shlex.join(["asmc-pin", "view", str(comparison.out)]))
         return
     from asmc_pin.sweeping import sweep as run
 
@@ -90,3 +93,9 @@ def sweep(
         print_json(found.to_json_dict())
     else:
         say(*str(found).split("\n"))
+        words = ["asmc-pin", "sweep", experiment, "--trials", str(trials), "--replay", str(found.hardest)]
+        given = [*(("--out", out) if out is not None else ()), *(("--plant", plant) if plant is not None else ())]
+        failed = any(found.findings.failed.values())
+        say_next(
+            f"look at a trial {'that failed' if failed else 'with the largest error'}", shlex.join([*words, *given])
+        )

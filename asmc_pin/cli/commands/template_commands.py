@@ -13,8 +13,10 @@ from asmc_pin.cli.app import LISTS, STUDIES, app
 from asmc_pin.cli.console import print_json, rich_console, say
 from asmc_pin.cli.next_step import say_next
 from asmc_pin.cli.options import JsonOption
-from asmc_pin.disk.files import check_writable, write_whole
+from asmc_pin.disk.file_access import check_writable
+from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import ExperimentError, ParameterError
+from asmc_pin.words.nearest_name import nearest
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 
@@ -82,10 +84,7 @@ def new(
 
     names = experiment_names()
     if template not in names:
-        import difflib
-
-        near = difflib.get_close_matches(template, names, n=1)
-        said = f"did you mean '{near[0]}'?" if near else f"shipped are {', '.join(names)}"
+        said = nearest(template, names, "shipped are")
         raise ParameterError("--from", f"there is no shipped experiment '{template}'; {said}")
     path = Path(file)
     if path.suffix != ".toml" or not _NAME.fullmatch(path.stem):

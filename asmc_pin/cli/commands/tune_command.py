@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -10,6 +11,7 @@ import typer
 from asmc_pin.cli.app import STUDIES, app
 from asmc_pin.cli.commands.study_commands import ExperimentArgument
 from asmc_pin.cli.console import announce_compiling, print_json, progress_bar, say
+from asmc_pin.cli.next_step import say_next
 from asmc_pin.cli.options import JsonOption
 
 
@@ -39,7 +41,7 @@ def tune(
 
     loaded = load_experiment(experiment)
     if report is not None:
-        from asmc_pin.disk.files import check_writable
+        from asmc_pin.disk.file_access import check_writable
         from asmc_pin.pages.plates import is_html
 
         is_html(Path(report))
@@ -58,3 +60,4 @@ def tune(
         print_json(found.to_json_dict())
     else:
         say(*str(found).split("\n"))
+        say_next("compare the tuned gains", shlex.join(["asmc-pin", "compare", str(found.path)]))

@@ -3,104 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.condition.best_mbar.design_findings import (
+    ArmaturePurchase,
+    DesignBranch,
+    DesignLimit,
+    DesignPoint,
+    WeightedDesign,
+)
 from asmc_pin.condition.condition_report import ConditionReport, stop_lines
-from asmc_pin.condition.hypotheses import Condition, Hypotheses
+from asmc_pin.condition.hypotheses import Hypotheses
+from asmc_pin.condition.judged import AboutMbar
 from asmc_pin.words.joint_units import column_cells, column_head
-from asmc_pin.words.shown import UNDEFINED, Cells, Shown
+from asmc_pin.words.shown import UNDEFINED, Cells
 from asmc_pin.words.text import printable, rounded_down, rounded_up
 
 
-@dataclass(frozen=True, eq=False)
-class DesignPoint:
-    """One M̄, with the norm and the bandwidth that a search finds for it over the whole domain.
-
-    Attributes:
-        norm: Largest norm of the condition.
-        bandwidth: Smallest λ_min(M⁻¹M̄): the slowest mode of the estimate converges by 1 − this per sample.
-        mbar: Shape (nv,), kg·m².
-    """
-
-    norm: float
-    bandwidth: float
-    mbar: Array
-
-
-@dataclass(frozen=True, eq=False)
-class DesignBranch:
-    """What the program of one branch on the base came to.
-
-    Attributes:
-        joints: The branch.
-        norm: Largest norm of its block that a search found.
-        bound: No M̄ has a smaller norm of this block, rigorously; 0 where λ_min(M⁻¹M̄) was the objective.
-        bandwidth: Smallest λ_min(M⁻¹M̄) of its block that a search found.
-    """
-
-    joints: tuple[str, ...]
-    norm: float
-    bound: float
-    bandwidth: float
-
-
-@dataclass(frozen=True, eq=False)
-class DesignLimit:
-    """A configuration that keeps M̄ from being better.
-
-    Attributes:
-        q: Shape (nv,), rad (m where prismatic).
-        share: Of all multipliers of the program; what limits most comes first.
-        joint: The joint whose own inertia there would change most.
-        side: ``small``: M̄ is too small for the inertia there. ``large``: it is too large.
-        case: Which payload end or lock choice; empty without ranges.
-    """
-
-    q: Array
-    share: float
-    joint: str
-    side: Literal["small", "large"]
-    case: str
-
-
-PUBLISHED_ROTORS = "the published rotors"
-
-
-@dataclass(frozen=True, eq=False)
-class ArmaturePurchase:
-    """How far the least norm would fall if armature were added.
-
-    Attributes:
-        where: A joint, ``every joint``, or `PUBLISHED_ROTORS`.
-        armature: Added, shape (nv,), kg·m².
-        norm: Least norm that could then be designed.
-    """
-
-    where: str
-    armature: Array
-    norm: float
-
-
-@dataclass(frozen=True, eq=False)
-class WeightedDesign:
-    """What the weighted condition would allow. It is not Lemma 1.
-
-    Attributes:
-        least: The M̄ of least weighted norm.
-        scale: Factor by which the M̄ found for Lemma 1 could grow before the weighted condition breaks.
-        scale_lemma1: The same before Lemma 1 breaks.
-    """
-
-    least: DesignPoint
-    scale: float
-    scale_lemma1: float
-
-
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class DesignReport(Shown):
+class DesignReport(AboutMbar):
     """The M̄ that was found, how good it is, and what limits it.
 
     Attributes:
@@ -147,26 +71,6 @@ class DesignReport(Shown):
     branches: tuple[DesignBranch, ...] = ()
     unfinished: str = ""
 
-    @property
-    def arm(self) -> str:
-        """Name of the arm."""
-        return self.hypotheses.arm
-
-    @property
-    def joints(self) -> tuple[str, ...]:
-        """Its moving joints, base first."""
-        return self.hypotheses.joints
-
-    @property
-    def condition(self) -> Condition:
-        """``lemma1`` or ``weighted``."""
-        return self.hypotheses.condition
-
-    @property
-    def formula(self) -> str:
-        """The condition as an inequality."""
-        return self.hypotheses.formula
-
     def rows(self) -> list[tuple[str, str]]:
         """The hypotheses, and within which bounds M̄ was looked for."""
         return [*self.hypotheses.rows(), ("M̄ looked for", self._within())]
@@ -203,30 +107,13 @@ class DesignReport(Shown):
             "level": self.level,
             "rounds": self.rounds,
             "unfinished": self.unfinished or None,
-            "limits": [
-                {"q": item.q.tolist(), "share": item.share, "joint": item.joint, "side": item.side, "case": item.case}
-                for item in self.limits
-            ],
+            "limits": [item.to_json_dict() for item in self.limits],
             "by_armature": None if self.by_armature is None else self.by_armature.tolist(),
-            "trade_off": [_point(point) for point in self.trade_off],
-            "armature_buys": [
-                {"where": item.where, "armature": item.armature.tolist(), "norm": item.norm}
-                for item in self.armature_buys
-            ],
-            "weighted": None,
-            "branches": [
-                {
-                    "joints": list(item.joints),
-                    "norm": item.norm,
-                    "bound": item.bound or None,
-                    "bandwidth": item.bandwidth,
-                }
-                for item in self.branches
-            ],
+            "trade_off": [point.to_json_dict() for point in self.trade_off],
+            "armature_buys": [item.to_json_dict() for item in self.armature_buys],
+            "weighted": None if self.weighted is None else self.weighted.to_json_dict(),
+            "branches": [item.to_json_dict() for item in self.branches],
         }
-        if self.weighted is not None:
-            scales = {"scale": self.weighted.scale, "scale_lemma1": self.weighted.scale_lemma1}
-            content["weighted"] = _point(self.weighted.least) | scales
         return content
 
     def lines(self, *, with_mbar: bool = True) -> list[str]:
@@ -278,7 +165,11 @@ class DesignReport(Shown):
     def reasons(self, *, with_mbar: bool = True) -> list[str]:
         """What is proven, what limits M̄, and what would help; a line per finding, M̄ itself among them if asked."""
         if self.mbar is None:
-            return [*self._put_together(), *self._limits(), *(_bought(item) for item in self.armature_buys)]
+            return [
+                *self._put_together(),
+                *(item.words() for item in self.limits),
+                *(item.words() for item in self.armature_buys),
+            ]
         assert self.check is not None
         lines = [
             *([f"not all was done: {self.unfinished}"] if self.unfinished else []),
@@ -286,27 +177,18 @@ class DesignReport(Shown):
             *(["M̄ = " + ",".join(repr(float(value)) for value in self.mbar)] if with_mbar else []),
             *self._put_together(),
             f"slowest mode of the estimate: λ_min(M⁻¹M̄) = {self.bandwidth:.4g} per sample",
-            *self._limits(),
+            *(item.words() for item in self.limits),
         ]
         if len(self.trade_off) > 1:
             curve = ", ".join(f"{point.norm:.5g} / {point.bandwidth:.4g}" for point in self.trade_off)
             lines.append(f"trade-off, norm / λ_min(M⁻¹M̄), from least norm to largest bandwidth: {curve}")
-        lines += [_bought(item) for item in self.armature_buys]
-        if self.weighted is not None:
-            other = self.weighted
-            lines.append(
-                "the weighted condition, which is weaker and not Lemma 1, would allow a weighted norm of "
-                f"{other.least.norm:.5g} with another M̄; this M̄ times {other.scale:.4g} breaks it, times "
-                f"{other.scale_lemma1:.4g} breaks Lemma 1"
-            )
-        return lines
+        lines += [item.words() for item in self.armature_buys]
+        return lines if self.weighted is None else [*lines, self.weighted.words()]
 
     def _put_together(self) -> list[str]:
         if not self.branches:
             return []
-        norms = ", ".join(
-            f"{item.norm:.6g} (joints {', '.join(printable(name) for name in item.joints)})" for item in self.branches
-        )
+        norms = ", ".join(item.words() for item in self.branches)
         return [
             f"M(q) is block diagonal, a block for each of {len(self.branches)} branches on the base: M̄ is put together "
             f"of a program for each, and the norm is the largest of theirs: {norms}"
@@ -321,30 +203,3 @@ class DesignReport(Shown):
         bound = "" if check.upper is None else f"the norm is at most {rounded_up(check.upper)} over the box, and "
         proven = f"proven: {bound}the condition holds for M̄ times {rounded_down(check.scale_proven)}"
         return [proven, *stop_lines(check.reason)]
-
-    def _limits(self) -> list[str]:
-        return [
-            f"limited at q = {_list(item.q)} ({item.share:.0%}{', ' + item.case if item.case else ''}): M̄ is too "
-            f"{item.side} for the inertia that joint '{printable(item.joint)}' has there"
-            for item in self.limits
-        ]
-
-
-def _point(point: DesignPoint) -> dict[str, Any]:
-    return {"norm": point.norm, "bandwidth": point.bandwidth, "mbar": point.mbar.tolist()}
-
-
-def _bought(item: ArmaturePurchase) -> str:
-    if item.where == PUBLISHED_ROTORS:
-        return (
-            f"with the published rotors, {_list(item.armature)} kg·m², a norm of {item.norm:.5g} would be possible: "
-            "load the arm with armature 'published'"
-        )
-    return (
-        f"armature of {_list(item.armature)} kg·m² more on {printable(item.where)} would allow a norm of "
-        f"{item.norm:.5g}"
-    )
-
-
-def _list(values: Array) -> str:
-    return "(" + ", ".join(f"{value:.4g}" for value in np.where(np.abs(values) < 5e-5, 0.0, values)) + ")"

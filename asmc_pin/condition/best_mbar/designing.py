@@ -10,7 +10,8 @@ import numpy as np
 from asmc_pin.clock import Clock
 from asmc_pin.condition.best_mbar.by_branch import Designed, blocks_of, exchange_all
 from asmc_pin.condition.best_mbar.convex_program import Bounds, Form
-from asmc_pin.condition.best_mbar.design_report import ArmaturePurchase, DesignBranch, DesignPoint, DesignReport
+from asmc_pin.condition.best_mbar.design_findings import ArmaturePurchase, DesignBranch, DesignPoint
+from asmc_pin.condition.best_mbar.design_report import DesignReport
 from asmc_pin.condition.best_mbar.exchange import ROUNDS, DesignProgress, Pace
 from asmc_pin.condition.best_mbar.limits_of_mbar import (
     limits_of,

@@ -11,7 +11,7 @@ from asmc_pin._typing import Array
 from asmc_pin.arms.published_armature import PUBLISHED_ARMATURE
 from asmc_pin.condition.best_mbar.by_branch import Designed, blocks_of, exchange_all
 from asmc_pin.condition.best_mbar.convex_program import Bounds
-from asmc_pin.condition.best_mbar.design_report import (
+from asmc_pin.condition.best_mbar.design_findings import (
     PUBLISHED_ROTORS,
     ArmaturePurchase,
     DesignLimit,

@@ -12,7 +12,7 @@ from asmc_pin.lazy import load_on_first_use
 
 if TYPE_CHECKING:
     from asmc_pin.condition.certificate.certificate_result import CertificateResult as CertificateResult
+    from asmc_pin.condition.certificate.proof_progress import ProofProgress as ProofProgress
     from asmc_pin.condition.certificate.proving import certify as certify
-    from asmc_pin.condition.certificate.strategy import ProofProgress as ProofProgress
 
 __getattr__, __dir__, __all__ = load_on_first_use(__name__)

@@ -22,7 +22,7 @@ from asmc_pin.condition.certificate.statement import Statement
 from asmc_pin.condition.certificate.statement_forms import problem_of
 from asmc_pin.condition.certificate.walk import UNKNOWN, Record, get_ready, in_joints
 from asmc_pin.condition.norm.two_conditions import Condition
-from asmc_pin.condition.search.samples import NORM, evaluate
+from asmc_pin.condition.search.samples import NORM, figures_at
 from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -184,7 +184,7 @@ class _Cutting:
     def _violates(self, q: Array) -> bool:
         """Whether the norm is 1 or more at a configuration, evaluated and not only bounded."""
         inside = np.clip(q, self.whole.lower, self.whole.upper)[None]
-        return bool(evaluate(self._kind, self._part.tree, inside, self._mbar)[0] >= 1.0)
+        return bool(figures_at(self._kind, self._part.tree, inside, self._mbar)[0] >= 1.0)
 
 
 def _tested(problem: Problem, lower: Array, upper: Array) -> tuple[int, int, Array]:

@@ -11,8 +11,9 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
 from asmc_pin.condition.certificate.certificate_result import CertificateResult, Verdict
+from asmc_pin.condition.certificate.proof_progress import ProofProgress
 from asmc_pin.condition.certificate.stopping import FREED, INTERRUPTED
-from asmc_pin.condition.certificate.strategy import ProofProgress, Prover
+from asmc_pin.condition.certificate.strategy import Prover
 from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.certificate.worst_known import Worst
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, LockChoices, PayloadRange

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -13,6 +13,7 @@ from asmc_pin._typing import Array, IntArray
 from asmc_pin.condition.certificate import stopping
 from asmc_pin.condition.certificate.compiled.bisection_tree import LEAF
 from asmc_pin.condition.certificate.mimic_shares import Unfolded, halved, weights_of
+from asmc_pin.condition.certificate.proof_progress import ProofProgress, WalkWatch
 from asmc_pin.condition.certificate.statement import Kind, Statement
 from asmc_pin.condition.certificate.statement_forms import MARGIN, freed, problem_of_unfolded
 from asmc_pin.condition.certificate.stopping import Obstacle
@@ -29,31 +30,10 @@ if TYPE_CHECKING:
     from asmc_pin.condition.search.samples import Domain
     from asmc_pin.rigid_body.tree import Tree
 
-Outcome = Literal["proven", "blocked", "slow", "stopped"]
+Attempted = Literal["proven", "blocked", "slow", "stopped"]
 
 _CORNERS = 8
 """Ends of an armature range that a level of Lemma 1 is proven at one by one; more are bounded together."""
-
-
-@dataclass(frozen=True)
-class ProofProgress:
-    """How far a certificate is.
-
-    Attributes:
-        proven: Scale proven.
-        refuted: Scale refuted.
-        trying: What is being tried now, in words.
-        volume: Share of the box that is proven of that.
-        tests: Boxes tested so far.
-        seconds: Since the beginning.
-    """
-
-    proven: float
-    refuted: float
-    trying: str
-    volume: float
-    tests: int
-    seconds: float
 
 
 _CUTS = 128
@@ -224,7 +204,7 @@ class Prover:
                 found.append(Statement("level", 1.0, level, index, lower, width))
         return found
 
-    def _attempt(self, statements: list[Statement], label: str, patient: bool, key: str = "scale") -> Outcome:
+    def _attempt(self, statements: list[Statement], label: str, patient: bool, key: str = "scale") -> Attempted:
         """Prove all of some statements, or say why not; where one is not positive, search on from there."""
         proofs = []
         parts = [branches(self.corners[statement.case].tree) for statement in statements]
@@ -233,7 +213,7 @@ class Prover:
             records: list[Record] = []
             weights: list[Array] = []
             for joints in mine:
-                watch = _Watch(self, label, patient, number, count)
+                watch = WalkWatch(self, label, patient, number, count)
                 walk, own, borne = self._branch(statement, joints, watch)
                 if walk.status == "stopped":
                     return "slow" if watch.slow else "stopped"
@@ -252,7 +232,9 @@ class Prover:
         self.proofs[key] = tuple(proofs)
         return "proven"
 
-    def _branch(self, statement: Statement, joints: IntArray, watch: _Watch) -> tuple[Walk, list[Record], list[Array]]:
+    def _branch(
+        self, statement: Statement, joints: IntArray, watch: WalkWatch
+    ) -> tuple[Walk, list[Record], list[Array]]:
         """Prove one branch's box, in pieces where joints mimic others.
 
         Returns:
@@ -291,7 +273,7 @@ class Prover:
             cuts += 1
 
     def _walk(
-        self, statement: Statement, joints: IntArray, tree: Tree, box: tuple[Array, Array], watch: _Watch
+        self, statement: Statement, joints: IntArray, tree: Tree, box: tuple[Array, Array], watch: WalkWatch
     ) -> tuple[Walk, Unfolded]:
         """Bisect a box of one branch, beginning with the halvings of the last walk of it that was one to the end."""
         lower, upper = box
@@ -309,28 +291,3 @@ class Prover:
         if walk.status == "proven":
             self._hints[name] = walk.record
         return walk, unfolded
-
-
-class _Watch:
-    """Looks at a walk now and then: tells the caller, and stops what will not be done in time."""
-
-    def __init__(self, prover: Prover, label: str, patient: bool, number: int, statements: int) -> None:
-        self._prover, self._label, self._patient = prover, label, patient
-        self._number, self._statements = number, statements
-        self._began = time.monotonic()
-        self._remaining = prover.deadline - self._began
-        self._tests = prover.tests
-        self.slow = False
-
-    def __call__(self, tests: int, volume: float) -> bool:
-        prover, now = self._prover, time.monotonic()
-        if prover.progress is not None:
-            done = (self._number + volume) / self._statements
-            seconds = now - prover.began
-            prover.progress(
-                ProofProgress(prover.scale, prover.worst.scale, self._label, done, self._tests + tests, seconds)
-            )
-        spent = now - self._began
-        late = spent * (1.0 - volume) > 1.5 * volume * (self._remaining - spent)
-        self.slow = not self._patient and late and spent > 0.15 * self._remaining
-        return self.slow

@@ -9,8 +9,9 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.norm.two_conditions import Condition
-from asmc_pin.condition.search.samples import NORM, SCALE, evaluate
-from asmc_pin.condition.search.worst_case import Found, breaking_factor, maximise
+from asmc_pin.condition.search.samples import NORM, SCALE, figures_at
+from asmc_pin.condition.search.worst_case import Found, maximise
+from asmc_pin.condition.search.worst_of_arm import breaking_factor
 
 if TYPE_CHECKING:
     from asmc_pin.condition.domain.arm_ranges import Case
@@ -54,8 +55,10 @@ class Worst:
         domain = self._cases[case].domain
         scale_kind, norm_kind = SCALE[self._condition], NORM[self._condition]
         at = found.q[None, :]
-        scale = breaking_factor(scale_kind, float(evaluate(scale_kind, domain.tree, at, self._mbar, found.armature)[0]))
-        norm = float(evaluate(norm_kind, domain.tree, at, self._mbar, found.armature)[0])
+        scale = breaking_factor(
+            scale_kind, float(figures_at(scale_kind, domain.tree, at, self._mbar, found.armature)[0])
+        )
+        norm = float(figures_at(norm_kind, domain.tree, at, self._mbar, found.armature)[0])
         if scale * (1.0 + STRICT) < self.scale:
             self.scale, self.scale_q = scale * (1.0 + STRICT), found.q
             self.scale_armature, self.scale_case = found.armature, case

@@ -14,7 +14,7 @@ from asmc_pin.condition.domain.arm_ranges import Case
 from asmc_pin.condition.domain.base_branches import branch_of, branches
 from asmc_pin.condition.domain.joint_box import resolve_box
 from asmc_pin.condition.norm.two_conditions import Condition
-from asmc_pin.condition.search.samples import NORM, Domain, evaluate
+from asmc_pin.condition.search.samples import NORM, Domain, figures_at
 from asmc_pin.condition.search.worst_case import Found, maximise
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.units import check_motion, check_reach
@@ -89,7 +89,7 @@ def motion_of(along: Any, nv: int, *, period: float | None = None, duration: flo
         times = np.arange(round(duration / (period or PERIOD)) + 1) * (period or PERIOD)
         motion = FollowedMotion(times, along.evaluate(times).q, f"the reference of '{name}'" if name else "a reference")
     if motion.q.ndim != 2 or motion.q.shape[1] != nv:
-        raise ParameterError("along", f"it moves {motion.q.shape[-1]} joints, and the arm has {nv}")
+        raise ParameterError("along", f"{motion.name} moves {motion.q.shape[-1]} joints, and the arm has {nv}")
     return motion
 
 
@@ -131,7 +131,7 @@ def norms_along(
         tree, mine = branch_of(arm.tree, joints), np.ascontiguousarray(q[:, joints])
         best = np.full(len(q), -np.inf)
         for armature in armature_ends(lower[joints], upper[joints]):
-            values = evaluate(NORM[condition], tree, mine, mbar[joints], armature)
+            values = figures_at(NORM[condition], tree, mine, mbar[joints], armature)
             higher = values > best
             best[higher], worst[np.ix_(higher, joints)] = values[higher], armature
         largest = np.maximum(largest, best)

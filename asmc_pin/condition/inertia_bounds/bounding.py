@@ -11,8 +11,8 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.clock import Clock
+from asmc_pin.condition.certificate.proof_progress import ProofProgress
 from asmc_pin.condition.certificate.stopping import INTERRUPTED
-from asmc_pin.condition.certificate.strategy import ProofProgress
 from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.certificate.writing import Proof, seen
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.condition.certificate.proof_progress import ProofProgress
 from asmc_pin.condition.certificate.statement import Statement
-from asmc_pin.condition.certificate.strategy import Outcome, ProofProgress, Prover
+from asmc_pin.condition.certificate.strategy import Attempted, Prover
 from asmc_pin.condition.certificate.worst_known import STRICT
 from asmc_pin.condition.inertia_bounds.extreme_eigenvalue import Extreme
 
@@ -92,7 +93,7 @@ class EigenvalueProver(Prover):
             return self._exact
         return self._at(self.scale) if self.scale > 0.0 else None
 
-    def try_bound(self, bound: float) -> Outcome:
+    def try_bound(self, bound: float) -> Attempted:
         """Prove that very m; where it is, `raise_scale` goes on from there."""
         outcome = self._attempt(self._of(bound), f"{bound:.6g}", True)
         if outcome == "proven":

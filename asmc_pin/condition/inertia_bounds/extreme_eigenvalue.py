@@ -9,7 +9,7 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.norm import compiled_norms
-from asmc_pin.condition.search.samples import evaluate
+from asmc_pin.condition.search.samples import figures_at
 from asmc_pin.condition.search.worst_case import Found, maximise
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ class Extreme:
     def _take(self, case: int, found: Found) -> None:
         self.evaluations += found.configurations
         tree = self._cases[case].domain.tree
-        worst = float(evaluate(self._kind, tree, found.q[None, :], self._weights, found.armature)[0])
+        worst = float(figures_at(self._kind, tree, found.q[None, :], self._weights, found.armature)[0])
         if worst > self._worst:
             self._worst, self.value = worst, 1.0 / abs(worst)
             self.q, self.armature, self.case = found.q, found.armature, case

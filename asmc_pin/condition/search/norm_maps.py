@@ -11,7 +11,7 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.condition.domain.joint_box import Box, BoxLike, resolve_box
 from asmc_pin.condition.norm.two_conditions import Condition, check_condition, check_mbar
-from asmc_pin.condition.search.samples import NORM, evaluate, sample_box
+from asmc_pin.condition.search.samples import NORM, figures_at, sample_box
 from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -90,12 +90,12 @@ def heatmap(
     i, j = arm.joint_names.index(first), arm.joint_names.index(second)
     if others == "largest":
         points = sample_box(domain, samples, seed)
-        norms = evaluate(NORM[condition], arm.tree, points, values, armature)
+        norms = figures_at(NORM[condition], arm.tree, points, values, armature)
         return _binned(domain, (first, second), (i, j), points, norms, resolution)
     x, y = (np.linspace(domain.lower[k], domain.upper[k], resolution) for k in (i, j))
     points = np.tile(domain.centre if q is None else np.asarray(q, dtype=np.float64), (resolution**2, 1))
     points[:, i], points[:, j] = (grid.ravel() for grid in np.meshgrid(x, y))
-    norms = evaluate(NORM[condition], arm.tree, points, values, armature).reshape(resolution, resolution)
+    norms = figures_at(NORM[condition], arm.tree, points, values, armature).reshape(resolution, resolution)
     return Heatmap((first, second), x, y, norms, "held")
 
 

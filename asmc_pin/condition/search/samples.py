@@ -107,7 +107,7 @@ def _sobol(dimension: int, count: int, seed: int) -> Array:
     return points
 
 
-def evaluate(kind: int, tree: Tree, q: Array, mbar: Array, armature: Array | None = None, threads: int = 1) -> Array:
+def figures_at(kind: int, tree: Tree, q: Array, mbar: Array, armature: Array | None = None, threads: int = 1) -> Array:
     """A figure of the condition at many configurations, by the compiled kernel.
 
     Args:

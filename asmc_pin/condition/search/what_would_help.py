@@ -12,7 +12,8 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.norm import compiled_norms
 from asmc_pin.condition.norm.two_conditions import Condition
 from asmc_pin.condition.search.samples import NORM, SCALE
-from asmc_pin.condition.search.worst_case import breaking_factor, maximise
+from asmc_pin.condition.search.worst_case import maximise
+from asmc_pin.condition.search.worst_of_arm import breaking_factor
 from asmc_pin.words.text import printable, rounded_down
 
 if TYPE_CHECKING:

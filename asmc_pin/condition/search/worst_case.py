@@ -13,15 +13,13 @@ import numpy as np
 
 from asmc_pin._typing import Array, BoolArray, IntArray
 from asmc_pin.condition.domain.base_branches import branches
-from asmc_pin.condition.domain.joint_box import BoxLike
 from asmc_pin.condition.norm import compiled_norms
-from asmc_pin.condition.norm.two_conditions import Condition, check_condition, check_mbar
 from asmc_pin.condition.search import compiled_climb
-from asmc_pin.condition.search.samples import NORM, SCALE, Domain, domain_of, evaluate, sample_box
+from asmc_pin.condition.search.samples import Domain, figures_at, sample_box
 from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
-    from asmc_pin.arms import Arm
+    pass
 
 GUIDES = {
     compiled_norms.LEMMA1: (compiled_norms.LEMMA1_SCALE, compiled_norms.WEIGHTED_SCALE, compiled_norms.BANDWIDTH),
@@ -130,7 +128,7 @@ def _of_branch(
     """The largest value over a domain whose joints all hang together."""
     box, lower, upper = domain.box, domain.armature_lower, domain.armature_upper
     ranged = np.any(upper > lower)
-    values = evaluate(kind, domain.tree, q, mbar, armature, threads)
+    values = figures_at(kind, domain.tree, q, mbar, armature, threads)
     configurations = len(q)
     first = int(np.argmax(values))
     best = (float(values[first]), q[first], armature[first % len(armature)])
@@ -146,7 +144,7 @@ def _of_branch(
         if ranged:
             # A climb may end on a plateau; the end of the range next to it is no better.
             end = np.where(best[2] - lower > upper - best[2], upper, lower)
-            at_end = evaluate(kind, domain.tree, best[1][None], mbar, end)[0]
+            at_end = figures_at(kind, domain.tree, best[1][None], mbar, end)[0]
             if at_end >= best[0] * (1.0 - 1e-12) - 1e-15:
                 best = (float(at_end), best[1], end)
     return Found(best[0], box.wrap(best[1]), best[2], values, configurations, climbed, box.wrap(where), carried)
@@ -190,7 +188,7 @@ def _starts(
     starts, carried, evaluations = [q[index]], [armature[index % len(armature)]], 0
     few = min(len(q), 8192)
     for guide in GUIDES[kind]:
-        other = evaluate(guide, domain.tree, q[:few], mbar, armature[:few])
+        other = figures_at(guide, domain.tree, q[:few], mbar, armature[:few])
         index = _apart(q[:few, free], other, (count + 3) // 4, periodic)
         _, where, with_armature, calls = _climb(guide, domain, mbar, q[index], armature[index % len(armature)])
         starts.append(where)
@@ -229,82 +227,3 @@ def _climb(kind: int, domain: Domain, mbar: Array, q: Array, armature: Array) ->
     evaluations = compiled_climb.climb(kind, domain.links, np.array(mbar), z, *bounds, least, width, values)
     found = z[:, : mbar.size]
     return values, found, domain.armature_lower + width * z[:, mbar.size :], int(evaluations)
-
-
-def search_worst(
-    arm: Arm,
-    mbar: Array,
-    condition: Condition = "lemma1",
-    box: BoxLike = None,
-    seed: int = 0,
-    *,
-    samples: int = SAMPLES,
-    starts: int = STARTS,
-    threads: int = 1,
-) -> tuple[float, Array]:
-    """Largest norm of a condition that a search finds, and where.
-
-    Args:
-        arm: The arm.
-        mbar: Diagonal of M̄, a number or nv of them, kg·m².
-        condition: ``lemma1`` (‖I − M⁻¹M̄‖₂) or ``weighted`` (max|1 − λ(M⁻¹M̄)|).
-        box: Joint box; see `BoxLike`.
-        seed: Of the samples.
-        samples: Number of samples.
-        starts: Number of local climbs.
-        threads: Worker threads.
-
-    Returns:
-        The norm and the configuration, shape (nv,), which has exactly that norm up to rounding.
-    """
-    kind = NORM[check_condition(condition)]
-    found = maximise(
-        kind, domain_of(arm, box), check_mbar(mbar, arm.nv), samples=samples, starts=starts, seed=seed, threads=threads
-    )
-    return found.value, found.q
-
-
-def scale_refuted(
-    arm: Arm,
-    mbar: Array,
-    condition: Condition = "lemma1",
-    box: BoxLike = None,
-    seed: int = 0,
-    *,
-    samples: int = SAMPLES,
-    starts: int = STARTS,
-    threads: int = 1,
-) -> tuple[float, Array]:
-    """Smallest factor f found such that f·M̄ violates the condition, and where.
-
-    Lemma 1 for f·M̄ reads N M + M N ≻ f I with N = M̄⁻¹, and the weighted condition f λ_max(M⁻¹M̄) < 2: both figures are
-    searched as they stand, without a search over f. At the returned configuration every larger factor violates too.
-
-    Args:
-        arm: The arm.
-        mbar: Diagonal of M̄, a number or nv of them, kg·m².
-        condition: ``lemma1`` or ``weighted``.
-        box: Joint box; see `BoxLike`.
-        seed: Of the samples.
-        samples: Number of samples.
-        starts: Number of local climbs.
-        threads: Worker threads.
-
-    Returns:
-        The factor (0 where no positive one satisfies Lemma 1) and the configuration, shape (nv,).
-    """
-    kind = SCALE[check_condition(condition)]
-    found = maximise(
-        kind, domain_of(arm, box), check_mbar(mbar, arm.nv), samples=samples, starts=starts, seed=seed, threads=threads
-    )
-    return breaking_factor(kind, found.value), found.q
-
-
-def breaking_factor(kind: int, value: float) -> float:
-    """The factor of M̄ at which a condition breaks, from its figure; 0 where no positive one satisfies it.
-
-    Args:
-        kind: `compiled_norms.LEMMA1_SCALE` or `compiled_norms.WEIGHTED_SCALE`.
-        value: The figure at one M(q), or the largest of many.
-    """
-    return max(-value, 0.0) if kind == compiled_norms.LEMMA1_SCALE else 2.0 / value

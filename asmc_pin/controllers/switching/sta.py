@@ -24,7 +24,7 @@ ROUNDING = 1e-12
 """Of a torque: a drive that gives as much less than it was told as this has given what it was told."""
 
 
-class SuperTwistingState(NamedTuple):
+class StaState(NamedTuple):
     """What the law remembers.
 
     Attributes:
@@ -105,10 +105,10 @@ class Sta(TdeLaw):
     threshold: Scalar = Scalar("|s| above which they grow", "rad/s", above=0.0, default=0.01)
     floor: Scalar = Scalar("least of them, over k₁ and k₂", above=0.0, default=0.01)
 
-    def init(self, sample: Sample) -> SuperTwistingState:
+    def init(self, sample: Sample) -> StaState:
         """State before the first tick."""
         zero = np.zeros_like(sample.q)
-        return SuperTwistingState(self.start(sample), zero, np.maximum(zero + 1.0, self.floor), sample.torque.copy())
+        return StaState(self.start(sample), zero, np.maximum(zero + 1.0, self.floor), sample.torque.copy())
 
     row_meanings: ClassVar[Mapping[str, str]] = {
         "k1": "k₁, (rad/s³)^½",

@@ -47,6 +47,10 @@ class VariedKey:
         """Whether it is a grid that spans points of its own."""
         return bool(self.values) and self.follows is None
 
+    def concerns(self, label: str) -> bool:
+        """Whether what a controller does may depend on it; a key of one controller is nothing to the others."""
+        return self.parts[0] != "controllers" or self.parts[1:2] == (label,)
+
     def rest(self, data: Mapping[str, Any]) -> Any:
         """What it stands at where it does not vary: the factor 1, or the file's own value."""
         return 1.0 if self.factor else value_at(data, self.parts)

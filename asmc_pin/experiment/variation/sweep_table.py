@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from asmc_pin.experiment.constructors import Mistake, nearest
+from asmc_pin.experiment.constructors import Mistake
 from asmc_pin.experiment.variation.axes import Variation, VariedKey
 from asmc_pin.experiment.variation.draws import DISTRIBUTIONS, is_finite, read_draw
 from asmc_pin.experiment.variation.key_paths import MISSING, Parts, parts_of, value_at, with_value
 from asmc_pin.metrics import METRICS
+from asmc_pin.words.nearest_name import nearest
 
 MOST_POINTS = 100_000
 """Of all grids together."""

@@ -24,8 +24,10 @@ const AsmcMap = (() => {
         const along = (k, share) => lower[k] + Math.min(Math.max(share, 0), 1) * (upper[k] - lower[k]);
         picked(along(x, (event.clientX - left) / width), along(y, 1 - (event.clientY - top) / height));
       };
-      canvas.addEventListener("pointerdown", (event) => { canvas.setPointerCapture(event.pointerId); pick(event); });
+      // Where it is let go, or dragged to on the way; a finger that goes up or down scrolls the page and picks nothing.
+      canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
       canvas.addEventListener("pointermove", (event) => { if (event.buttons & 1) pick(event); });
+      canvas.addEventListener("click", pick);
       new ResizeObserver(() => this.draw()).observe(canvas);
     }
 
@@ -40,24 +42,24 @@ const AsmcMap = (() => {
       const [x, y] = plane, point = Array.from(q), norms = new Float64Array(SIDE * SIDE), run = ++this.run;
       let k = 0;
       this.busy = true;
-      const go = () => {
-        if (run !== this.run) return;
-        for (const until = performance.now() + 12; k < norms.length && performance.now() < until; k++) {
+      const go = (until = performance.now() + 12) => {
+        if (run !== this.run || k >= norms.length) return;
+        for (; k < norms.length && performance.now() < until; k++) {
           point[x] = this.place(x, k % SIDE);
           point[y] = this.place(y, Math.floor(k / SIDE));
           norms[k] = this.normAt(point, mbar);
         }
         if (k < norms.length) {
-          setTimeout(go);
+          setTimeout(() => go());
           return;
         }
         Object.assign(this, { plane, norms, cells, busy: false });
         this.draw();
         this.told();
       };
+      this.finish = () => go(Infinity);  // paper does not wait for frames
       go();
     }
-
     // Least and largest norm, where the largest is, and the share of the map that is 1 or more.
     extremes() {
       const { norms, plane } = this;

@@ -9,8 +9,13 @@ from functools import cached_property
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.statistics.over_tasks import shifted_geometric_mean
 from asmc_pin.statistics.pairwise import PairedComparison, pairwise
 from asmc_pin.statistics.task_ranks import MeanRank, mean_ranks
+
+SHIFT = 1e-5
+"""Of the shifted geometric mean over the problems, in the figures' SI unit: two counts of the encoders of all tasks of
+`asmc-bench-1` but `coarse`. Below it matters little which law has the smaller error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +31,7 @@ class BenchFindings:
         laws: Names, as the suite has them.
         kinds: Name -> law.
         problems: Arm and task of each problem.
+        unit: SI unit of the figures.
         figures: Median over the held-out trials, (laws, problems), SI; +∞ for a failure.
         unkept: Whether no gains kept the limit in training, (laws, problems).
         failed: Held-out trials that failed, (laws, problems).
@@ -43,6 +49,7 @@ class BenchFindings:
     laws: Sequence[str]
     kinds: Mapping[str, str]
     problems: Sequence[tuple[str, str]]
+    unit: str
     figures: Array
     unkept: Array
     failed: Array
@@ -55,6 +62,20 @@ class BenchFindings:
     def ranks(self) -> list[MeanRank]:
         """Mean rank of each law over the problems."""
         return mean_ranks(self.figures, self.seed)
+
+    @property
+    def tasks(self) -> list[str]:
+        """In the order of the problems."""
+        return list(dict.fromkeys(task for _, task in self.problems))
+
+    def means(self, task: str | None = None) -> Array:
+        """Shifted geometric mean of each law, (laws,), SI; +∞ for a law that failed in a problem of them.
+
+        Args:
+            task: Over its arms; over all problems when omitted.
+        """
+        here = [task in (None, each) for _, each in self.problems]
+        return shifted_geometric_mean(self.figures[:, here], SHIFT)
 
     @cached_property
     def order(self) -> list[int]:

@@ -7,9 +7,11 @@ from collections.abc import Sequence
 from asmc_pin.pages.benches.bench_findings import BenchFindings
 from asmc_pin.pages.benches.bench_tables import (
     HOW_FAILED,
+    HOW_MEANT,
     HOW_PAIRED,
     HOW_RANKED,
     bench_lines,
+    mean_table,
     pair_table_of,
     problem_table,
     rank_table,
@@ -26,6 +28,7 @@ def bench_title(findings: BenchFindings) -> str:
 
 def _sections(findings: BenchFindings) -> list[Section]:
     found = [Section("Ranks", HOW_RANKED, [rank_table(findings)])]
+    found.append(Section("Means over arms and tasks", HOW_MEANT, [mean_table(findings)]))
     found.append(Section("Law by law, problem by problem", HOW_FAILED, [problem_table(findings)]))
     if findings.proposed in findings.laws and len(findings.laws) > 1:
         found.append(Section("The proposed law", HOW_PAIRED, [pair_table_of(findings, findings.proposed)]))

@@ -6,10 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from asmc_pin.pages.benches.bench_findings import BenchFindings
+from asmc_pin.pages.benches.bench_findings import SHIFT, BenchFindings
 from asmc_pin.pages.sweeps.sweep_tables import AT_LEAST
 from asmc_pin.pages.tables.text_table import Table, number
 from asmc_pin.statistics.over_tasks import performance_ratios
+from asmc_pin.statistics.pairwise import FAMILY_LEVEL, PairedComparison
 
 HOW_RANKED = (
     "A problem is an arm with a task. Figure of a law on a problem: median over its held-out trials of the geometric "
@@ -18,6 +19,10 @@ HOW_RANKED = (
     "interval (BCa) of the mean rank over which problems it might have been. Best in: problems in which the law is the "
     "first."
 )
+HOW_MEANT = (
+    f"Shifted geometric mean (Π (x + s))^(1/n) − s of a law's n figures, s = {SHIFT:g}, so that neither the hardest "
+    "nor the easiest problem rules it; of each task over the arms, and of all problems. ∞ where the law failed in one."
+)
 HOW_FAILED = (
     "Figure over that of the best law on the problem. Failed: no figure, since most held-out trials failed. Limit: no "
     "gains that were tried kept the noise limit. In brackets held-out trials that failed, or went beyond the limit."
@@ -25,7 +30,8 @@ HOW_FAILED = (
 HOW_PAIRED = (
     "Ratio: geometric mean over the problems of the better law's figure over the other's, with its 95 % interval (BCa "
     "bootstrap over problems); the median where failures make it infinite. p: Wilcoxon's signed-rank test over the "
-    "problems, adjusted by Holm over all pairs of laws. Sure: the interval excludes 1, on at least 6 problems."
+    "problems, adjusted by Holm over all pairs of laws. Sure: yes where the interval excludes 1 and p is below "
+    f"{FAMILY_LEVEL}; pair where only the interval does, which holds for that pair alone, not for all pairs at once."
 )
 
 
@@ -54,6 +60,14 @@ def rank_table(findings: BenchFindings) -> Table:
     return Table(f"{len(findings.problems)} problems", [*header, "trials over"], rows)
 
 
+def mean_table(findings: BenchFindings) -> Table:
+    """Every law by its shifted geometric means."""
+    columns = [findings.means(task) for task in (*findings.tasks, None)]
+    rows = [[findings.laws[k], *(number(float(x[k])) for x in columns)] for k in findings.order]
+    header = ["law", *(f"{name} [{findings.unit}]" for name in (*findings.tasks, "all"))]
+    return Table("Shifted geometric means", header, rows)
+
+
 def problem_table(findings: BenchFindings) -> Table:
     """Every law on every problem, over the best there."""
     ratios = performance_ratios(findings.figures)
@@ -76,7 +90,7 @@ def pair_table_of(findings: BenchFindings, law: str) -> Table:
     rows = []
     for other, each in findings.verdicts_on(law):
         ratio = f"{number(each.ratio)} [{number(each.low)}, {number(each.high)}]"
-        rows.append([other, each.better, ratio, number(each.p), "yes" if each.certain else "no"])
+        rows.append([other, each.better, ratio, number(each.p), _sure(each)])
     return Table(f"{law} against each", ["against", "better", "better / worse [95 %]", "p", "sure"], rows)
 
 
@@ -102,16 +116,26 @@ def _proposed(findings: BenchFindings) -> Iterator[str]:
     k = list(findings.laws).index(law)
     mean, place = findings.ranks[k], findings.order.index(k) + 1
     pairs = findings.verdicts_on(law)
-    ahead = [other for other, each in pairs if each.certain and each.better == law]
-    behind = [other for other, each in pairs if each.certain and each.better != law]
-    open_ = [other for other, each in pairs if not each.certain]
     yield (
         f"the proposed law, {law}: place {place} of {len(findings.laws)} by mean rank, {mean.rank:.2f} "
         f"[{mean.low:.2f}, {mean.high:.2f}]; failed in {int(findings.lost[k])} of {len(findings.problems)} problems"
     )
-    for names, said in ((ahead, "surely better than"), (behind, "surely worse than"), (open_, "not surely apart from")):
-        if names:
-            yield f"{law} is {said} {', '.join(names)}"
+    for sure, note in (("yes", ""), ("pair", " (pair by pair, not adjusted for all pairs at once)")):
+        how = "surely " if sure == "yes" else ""
+        for better, order in ((True, "better than"), (False, "worse than")):
+            names = [other for other, each in pairs if _sure(each) == sure and (each.better == law) == better]
+            if names:
+                yield f"{law} is {how}{order} {', '.join(names)}{note}"
+    open_ = [other for other, each in pairs if not each.certain]
+    if open_:
+        yield f"{law} is not surely apart from {', '.join(open_)}"
+
+
+def _sure(each: PairedComparison) -> str:
+    """How sure the order of a pair is: for all pairs at once, for this one by itself, or not."""
+    if not each.certain:
+        return "no"
+    return "yes" if each.certain_in_family else "pair"
 
 
 def failure_lines(findings: BenchFindings) -> Iterator[str]:

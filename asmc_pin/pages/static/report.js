@@ -21,12 +21,11 @@
   }
   document.addEventListener("toggle", () => wide.forEach(look), true);
 
-  // On paper everything is open, and the scene is a still.
+  // On paper everything is open.
   let opened = [];
   const paper = () => {
     opened = [...document.querySelectorAll("details:not([open])")];
     for (const fold of opened) fold.open = true;
-    (window.replays ?? []).forEach((replay) => replay.still());
   };
   addEventListener("beforeprint", paper);
   addEventListener("afterprint", () => { for (const fold of opened) fold.open = false; });

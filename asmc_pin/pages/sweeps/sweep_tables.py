@@ -113,7 +113,14 @@ def _verdict(findings: SweepFindings, metric: str, overall: list[Compared]) -> s
         return f"{measure(metric)}: no controller is better than all others with certainty"
     closest = max(beaten[winner], key=lambda p: p.ratio)
     ratio = f"{number(closest.ratio)} [{number(closest.low)}, {number(closest.high)}]"
-    return f"{measure(metric)}: {winner} is better than all others; next is {closest.worse}, ratio {ratio}"
+    said = f"{measure(metric)}: {winner} is better than all others; next is {closest.worse}, ratio {ratio}"
+    # A few trials that went badly can decide a mean, while in most the order is the other one.
+    doubted = [
+        f"{pair.worse} (p {number(pair.p)}, chance {100.0 * pair.improvement:.0f} %)"
+        for pair in beaten[winner]
+        if not pair.certain_in_family
+    ]
+    return f"{said}; sure by the mean alone, not by ranks, against {', '.join(doubted)}" if doubted else said
 
 
 def failure_lines(findings: SweepFindings) -> list[str]:

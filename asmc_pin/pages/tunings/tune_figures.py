@@ -9,11 +9,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from asmc_pin.metrics import METRICS
-from asmc_pin.pages.figure_style import PAGE, paper_style
+from asmc_pin.pages.figure_style import PAGE, line_look, paper_style
 from asmc_pin.pages.plates import Plate
+from asmc_pin.pages.sweeps.sweep_figures import label_decades
 from asmc_pin.pages.sweeps.sweep_tables import unit_on
 from asmc_pin.pages.tunings.tune_findings import TuneFindings
 from asmc_pin.viewer.colours import controller_colors
@@ -60,13 +61,14 @@ def _pareto(findings: TuneFindings) -> Figure:
         figure = _empty(3.2)
         ax = figure.subplots()
         colours = controller_colors([item.shown for item in findings.controllers])
-        for item in findings.controllers:
+        for k, item in enumerate(findings.controllers):
             colour = colours[item.shown]
             known = np.isfinite(item.errors) & np.isfinite(item.chatters)
             for kept, mark in ((known & item.within, "."), (known & ~item.within, "x")):
                 ax.plot(item.chatters[kept], item.errors[kept], mark, ms=2.5, color=colour, alpha=0.6)
             front = [i for i in item.front() if known[i]]
-            ax.plot(item.chatters[front], item.errors[front], "-", color=colour, label=for_figure(item.shown))
+            look = line_look(k, colour, len(front))
+            ax.plot(item.chatters[front], item.errors[front], label=for_figure(item.shown), **look)
             if known[item.winner]:
                 ax.plot(
                     item.chatters[item.winner], item.errors[item.winner], "o", ms=6, mfc="none", color=colour, mew=1.2
@@ -83,15 +85,15 @@ def _convergence(findings: TuneFindings) -> Figure:
         figure = _empty(2.6)
         ax = figure.subplots()
         colours = controller_colors([item.shown for item in findings.controllers])
-        for item in findings.controllers:
+        for k, item in enumerate(findings.controllers):
             least = item.convergence()
             finite = np.isfinite(least)
             number = np.arange(1, len(least) + 1)
-            ax.step(
-                number[finite], least[finite], where="post", color=colours[item.shown], label=for_figure(item.shown)
-            )
+            look = line_look(k, colours[item.shown], int(finite.sum()))
+            ax.step(number[finite], least[finite], where="post", label=for_figure(item.shown), **look)
         _log(ax, "y")
         ax.set_xlim(1, max(2, findings.budget))
+        ax.xaxis.set_major_locator(MaxNLocator(integer=True))
         ax.set_xlabel("candidates tried")
         ax.set_ylabel(_named(findings)[0])
         _legend(figure, ax)
@@ -107,9 +109,9 @@ def _sensitivity(findings: TuneFindings) -> Figure:
         for ax in grid.ravel()[len(shown) :]:
             ax.set_visible(False)
         for ax, item in zip(grid.ravel(), shown, strict=False):
-            for name, (factors, ratios) in item.sensitivity.items():
+            for k, (name, (factors, ratios)) in enumerate(item.sensitivity.items()):
                 finite = np.isfinite(ratios)
-                ax.plot(factors[finite], ratios[finite], ".-", ms=3, label=for_figure(name))
+                ax.plot(factors[finite], ratios[finite], label=for_figure(name), **line_look(k, f"C{k}", 1))
             _log(ax, "both")
             ax.set_xticks(_TICKS, [f"{x:g}" for x in _TICKS])
             ax.xaxis.set_minor_formatter(NullFormatter())
@@ -132,7 +134,9 @@ def _log(ax: Axes, which: str) -> None:
     if ax.lines and any(np.size(line.get_xdata()) for line in ax.lines):
         if which == "both":
             ax.set_xscale("log")
+            label_decades(ax.xaxis)
         ax.set_yscale("log")
+        label_decades(ax.yaxis)
 
 
 def _legend(figure: Figure, ax: Axes) -> None:

@@ -62,10 +62,7 @@ class Disturbance:
         """Check sizes and names against an arm; raises `ParameterError`."""
         sized("disturbances", self, arm.nv)
         if self.link is not None:
-            try:
-                FrameKinematics(arm, self.link)
-            except ParameterError as error:
-                raise ParameterError("disturbances.link", str(error).removeprefix("frame: ")) from None
+            FrameKinematics(arm, self.link, "disturbances.link")
 
     def mean(self, since: float, until: float) -> float:
         """Mean of a profile without chance over an interval, exact."""

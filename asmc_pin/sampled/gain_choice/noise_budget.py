@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.errors import ParameterError
+from asmc_pin.sampled.noise.noise_response import noise_rms
 from asmc_pin.sampled.noise.sensor_model import LoopSensor
-from asmc_pin.sampled.noise.sensor_noise import noise_rms
 from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.sampled.workspace_worst import Workspace
 

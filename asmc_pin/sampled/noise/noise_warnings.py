@@ -11,8 +11,9 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.sampled.law_loops import LawLoop, law_loops
+from asmc_pin.sampled.noise.noise_response import noise_rms
 from asmc_pin.sampled.noise.sensor_model import LoopSensor
-from asmc_pin.sampled.noise.sensor_noise import LoopNoise, count_formula, loop_noise, noise_rms
+from asmc_pin.sampled.noise.sensor_noise import LoopNoise, count_formula, loop_noise
 from asmc_pin.sampled.sampled_loop import SampledLoop
 from asmc_pin.sampled.workspace_worst import Workspace, workspace_of
 

@@ -33,7 +33,7 @@ _NARROWEST, _MOST_PIECES, _DOUBLINGS = 1.0 + 1e-4, 500, 60
 
 
 @dataclass(frozen=True, eq=False)
-class Pieces:
+class GravityForms:
     """Quadratic forms that prove it, piece by piece of the eigenvalues of M⁻¹M̄.
 
     Attributes:
@@ -91,7 +91,7 @@ def stiffness_bound(tree: Tree, lower: Array, upper: Array, mbar: Array, magnitu
     return float(np.max(scaled @ v / v)) * (1.0 + _ROUNDING)
 
 
-def pieces_of(ks: float, beta: float, period: float, stiffness: float, low: float, high: float) -> Pieces | None:
+def pieces_of(ks: float, beta: float, period: float, stiffness: float, low: float, high: float) -> GravityForms | None:
     """Forms for every eigenvalue from low to high, where the small gain suffices; else None.
 
     Args:
@@ -120,7 +120,7 @@ def pieces_of(ks: float, beta: float, period: float, stiffness: float, low: floa
             return None
         else:
             waiting += [(middle, last), (first, middle)]
-    return Pieces(np.array(ends), np.array(forms))
+    return GravityForms(np.array(ends), np.array(forms))
 
 
 def _form(first: float, middle: float, last: float, damping: float, square: float, gain: float) -> Array | None:

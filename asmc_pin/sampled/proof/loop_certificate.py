@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from asmc_pin.clock import Clock
+from asmc_pin.condition.certificate.proof_progress import ProofProgress
 from asmc_pin.condition.certificate.stopping import GAP_MET, INTERRUPTED, OUT_OF_TIME
-from asmc_pin.condition.certificate.strategy import ProofProgress
 from asmc_pin.condition.certificate.walk import get_ready
 from asmc_pin.condition.certificate.writing import seen
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases
@@ -28,10 +28,11 @@ from asmc_pin.condition.inertia_bounds.eigenvalue_prover import EigenvalueProver
 from asmc_pin.condition.inertia_bounds.extreme_eigenvalue import Extreme
 from asmc_pin.condition.inertia_bounds.outward import above, below
 from asmc_pin.condition.premises import ends_of, premises_of
+from asmc_pin.controllers.law_registry import law_name
 from asmc_pin.errors import ParameterError
-from asmc_pin.sampled.proof.gravity_proof import Pieces, pieces_of, stiffness_bound
+from asmc_pin.sampled.proof.gravity_proof import GravityForms, pieces_of, stiffness_bound
 from asmc_pin.sampled.proof.loop_proof import LoopProof
-from asmc_pin.sampled.sampled_loop import SampledLoop, law_name
+from asmc_pin.sampled.sampled_loop import SampledLoop
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -148,7 +149,7 @@ def _under_gravity(
     provers: Sequence[EigenvalueProver],
     extremes: tuple[Extreme, Extreme],
     magnitude: float,
-) -> tuple[Pieces | None, str]:
+) -> tuple[GravityForms | None, str]:
     """Forms that prove it at rest under gravity, after a closer proof of the eigenvalues' range; or why none do."""
     stiffness = max(
         stiffness_bound(domain.arm.tree, domain.box.lower, domain.box.upper, loop.mbar, magnitude)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -10,16 +10,17 @@ from asmc_pin.condition.certificate.container import numbers
 from asmc_pin.condition.certificate.writing import Proof, write
 from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.errors import ResultError
-from asmc_pin.sampled.proof.gravity_proof import Pieces
+from asmc_pin.sampled.proof.gravity_proof import GravityForms
 from asmc_pin.sampled.sampled_loop import SampledLoop
+from asmc_pin.words.shown import Shown
 from asmc_pin.words.text import counted, exact, printable, rounded_down, rounded_up
 
 if TYPE_CHECKING:
     from asmc_pin.condition.domain.arm_ranges import Case
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class LoopProof:
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class LoopProof(Shown):
     """What is proven of the plain loop, frozen at every configuration of a joint box, without friction.
 
     Attributes:
@@ -50,10 +51,10 @@ class LoopProof:
     seconds: float
     reason: str
     no_gravity: str
-    seen_at: tuple[dict[str, Any], dict[str, Any]] = field(repr=False)
-    cases: tuple[Case, ...] = field(repr=False)
-    proofs: tuple[Proof, ...] = field(repr=False)
-    pieces: Pieces | None = field(repr=False)
+    seen_at: tuple[dict[str, Any], dict[str, Any]]
+    cases: tuple[Case, ...]
+    proofs: tuple[Proof, ...]
+    pieces: GravityForms | None
 
     def lines(self) -> list[str]:
         """What is proven, and what is not, a line each."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
 
 import pyarrow as pa
@@ -68,13 +70,21 @@ def _counted(folder: Path) -> str:
 
 
 def _page(name: str, body: str, *, ended: bool) -> str:
-    again = "" if ended else f'<meta http-equiv="refresh" content="{EVERY}">'
     said = "complete: its report.html has the findings" if ended else f"running; looked at again every {EVERY} s"
+    script = "" if ended else f"<script>{_script()}</script>"
     return (
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">{again}<title>{for_html(name)}</title>'
+        f'<meta http-equiv="Content-Security-Policy" content="{POLICY}; connect-src \'self\'">'
+        f'<title>{for_html(name)}</title><link rel="icon" href="data:,">'
         '<meta name="viewport" content="width=device-width, initial-scale=1"><style>'
-        "body { font: 16px/1.5 system-ui, sans-serif; margin: 2rem; color-scheme: light dark; }"
+        "html { color-scheme: light dark; } body { font: 16px/1.5 system-ui, sans-serif; margin: 2rem; }"
+        "body { background: Canvas; color: CanvasText; }"
         "th, td { padding: 4px 14px; text-align: right; } th:first-child { text-align: left; }</style></head>"
-        f"<body><main><h1>{for_html(name)}</h1><p>{said}</p>{body}</main></body></html>"
+        f'<body><main class="followed" data-every="{EVERY}"{" data-ended=true" * ended}><h1>{for_html(name)}</h1>'
+        f'<p class="state" role="status">{said}</p>{body}</main>{script}</body></html>'
     )
+
+
+@cache
+def _script() -> str:
+    return (files("asmc_pin.sweeping.watching") / "following.js").read_text(encoding="utf-8")

@@ -1,7 +1,7 @@
 // Plays joint motions on the stage of scene.js: time, controls, and the error under each arm.
 "use strict";
 (() => {
-  const { Stage, element } = AsmcScene, { bytes } = AsmcArm, { chart, places, svg } = AsmcTimeline;
+  const { Stage, element } = AsmcScene, { bytes } = AsmcArm, { chart, places, svg, wished } = AsmcTimeline;
   const floats = (text) => new Float32Array(bytes(text).buffer);
   // Keys that move the camera: around, up and down, and by which factor nearer.
   const SHIFTED = { ArrowLeft: [-0.1, 0, 1], ArrowRight: [0.1, 0, 1], ArrowUp: [0, 0.1, 1], ArrowDown: [0, -0.1, 1] };
@@ -170,20 +170,15 @@
 
     // #t=2.5 opens the page at that time.
     seekWish() {
-      const wish = /^#t=([0-9.]+)$/.exec(location.hash);
-      if (!wish) return false;
+      const time = wished();
+      if (time === null) return false;
       this.pause();
-      this.seek(Number(wish[1]));
+      this.seek(time);
       return true;
     }
 
-    // What the scene shows now, as a picture: paper has no canvas.
     still() {
-      const { host } = this.stage;
-      if (!host.clientWidth || !host.clientHeight) return;  // hidden: the former still stays
-      const image = host.parentElement.querySelector(".replay-still") ?? element(host.parentElement, "img", { class: "replay-still" });
-      image.src = this.stage.photograph().toDataURL("image/jpeg", 0.9);
-      image.alt = `The scene at ${this.time.toFixed(2)} s: ${this.stage.labels.map(({ label }) => label.innerText.replace("\n", " ")).join("; ")}`;
+      this.stage.still(`The scene at ${this.time.toFixed(2)} s`);
     }
 
     buildControls() {
@@ -280,4 +275,8 @@
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
     for (const replay of window.replays) replay.stage.floor();
   });
+  // After whatever else the page does for paper, such as opening what is folded.
+  document.addEventListener("DOMContentLoaded", () => addEventListener("beforeprint", () => {
+    for (const replay of window.replays) replay.still();
+  }));
 })();

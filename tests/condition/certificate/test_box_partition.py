@@ -16,7 +16,7 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.certificate.box_partition import OPEN, PROVEN, REFUTED, BoxPartition, partition
 from asmc_pin.condition.domain.arm_ranges import cases
 from asmc_pin.condition.search.samples import Domain
-from asmc_pin.condition.search.worst_case import scale_refuted, search_worst
+from asmc_pin.condition.search.worst_of_arm import scale_refuted, search_worst
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Condition
 

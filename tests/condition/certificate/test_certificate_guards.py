@@ -28,7 +28,7 @@ from asmc_pin.condition.checker import check
 from asmc_pin.condition.domain.along_motion import FollowedMotion, tube
 from asmc_pin.condition.domain.arm_ranges import cases
 from asmc_pin.condition.domain.joint_box import resolve_box
-from asmc_pin.condition.search.samples import evaluate
+from asmc_pin.condition.search.samples import figures_at
 from asmc_pin.errors import ArmError, NotPositiveDefinite, ParameterError
 from asmc_pin.numerics.cholesky import surely_positive
 from asmc_pin.references import Quintic
@@ -391,7 +391,7 @@ def test_an_inertia_that_is_not_positive_definite_is_no_arm_to_verify(two_link: 
         with pytest.raises(NotPositiveDefinite):
             run(bad, 0.01)  # type: ignore[operator]
     with pytest.raises(NotPositiveDefinite):
-        evaluate(0, bad.tree, np.zeros((1, 2)), np.full(2, 0.01))
+        figures_at(0, bad.tree, np.zeros((1, 2)), np.full(2, 0.01))
 
 
 @pytest.mark.parametrize("kind", ["weighted", "lemma1"])

@@ -1,59 +1,20 @@
-"""Options of the sampled loop, and its proof, for the commands that speak of one."""
+"""The options that name a law and its own parameters, for the commands that speak of a sampled loop."""
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Collection
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from asmc_pin.cli import interrupt
-from asmc_pin.cli.console import note, progress_bar
 from asmc_pin.cli.options import assignments, per_joint
 from asmc_pin.errors import ParameterError
-from asmc_pin.words.choices import Acceleration
+from asmc_pin.words.nearest_name import nearest
 
 if TYPE_CHECKING:
-    from asmc_pin.arms import Arm
     from asmc_pin.controllers import TdeLaw
     from asmc_pin.parameters import Parameter
-    from asmc_pin.sampled import LoopProof, SampledLoop
-
-AccelerationOption: TypeAlias = Annotated[
-    Acceleration, typer.Option("--acceleration", metavar="velocity|position", help="How q̈(t−L) is estimated.")
-]
-FilterOption: TypeAlias = Annotated[
-    float | None, typer.Option("--filter-hz", metavar="HZ", help="First-order low-pass on that estimate.")
-]
-DelayOption: TypeAlias = Annotated[
-    float, typer.Option("--delay", metavar="PERIODS", help="Transport delay of the torque, fractions allowed.")
-]
-
-
-def loop_proof_of(arm: Arm, loop: SampledLoop, certificate: str | None, **options: Any) -> LoopProof:
-    """What can be proven of a loop without gravity; after Ctrl-C undecided."""
-    from asmc_pin.condition.certificate.writing import unwritable
-    from asmc_pin.sampled.proof.loop_certificate import certify_loop
-
-    budget = options["budget"]
-    with interrupt.stopping_short() as go_on, progress_bar() as show:
-
-        def tell(state: Any) -> None:
-            go_on()
-            show(f"proving the {state.trying} of M against M̄", min(state.seconds / budget, 1.0))
-
-        proof = certify_loop(arm, loop, progress=tell, **options)
-    if certificate is not None:
-        if why := unwritable(proof.cases):
-            note(f"{why}; none was written to {certificate}")
-        elif proof.verdict != "undecided":
-            note(f"certificate: {proof.save(certificate)}")
-        else:
-            note(f"nothing is proven, so no certificate was written to {certificate}")
-    return proof
-
 
 LawOption: TypeAlias = Annotated[
     str | None,
@@ -100,9 +61,7 @@ def settings_of(name: str | None, settings: list[str] | None, shared: Collection
             "in M̄, K_s and β; run it with 'asmc-pin compare'",
         )
     if name not in CONTROLLERS:
-        near = difflib.get_close_matches(name, CONTROLLERS, n=1)
-        said = f"did you mean '{near[0]}'?" if near else f"known are {', '.join(CONTROLLERS)}"
-        raise ParameterError("--law", f"there is no law '{name}': {said}")
+        raise ParameterError("--law", f"there is no law '{name}': {nearest(name, CONTROLLERS)}")
     given = assignments(settings, "--set", "KEY=VALUE, such as cutoff_hz=50")
     known = parameters_of(CONTROLLERS[name])
     for key in given:

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from asmc_pin.errors import ExperimentError
-from asmc_pin.experiment.constructors import Mistake, Signature, nearest
+from asmc_pin.experiment.constructors import Mistake, Signature
 from asmc_pin.experiment.law_lookup import is_own, load_law
 from asmc_pin.experiment.variation.key_paths import parts_of
+from asmc_pin.words.nearest_name import nearest
 
 NO_GAINS = ("law", "period", "acceleration", "filter_hz", "pairing", "switching", "arm")
 """What is no gain: it says how a law measures, when it runs and which form of it that is."""
