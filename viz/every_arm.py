@@ -36,21 +36,24 @@ def wave(arm: Arm, time: np.ndarray) -> np.ndarray:
     return middle + room * np.sin(2 * np.pi * time[:, None] * (1 + np.arange(arm.nv)) / time[-1])
 
 
+def page(arm: Arm, title: str, subtitle: str) -> str:
+    """HTML of an arm that waves for 8 s."""
+    time = np.linspace(0.0, 8.0, 481)
+    drawn = draw(arm)
+    description = describe(drawn, arm.joint_names, time, [PlayedMotion(title, "#0072B2", wave(arm, time))], None)
+    return replay_page(title, subtitle, replay_element(description, drawn.notes))
+
+
 def make(folder: Path) -> dict[str, Path]:
     """Writes the pages; their titles and files."""
-    pages = {}
-    time = np.linspace(0.0, 8.0, 481)
-    for name in arm_names():
-        arm = load_arm(name)
-        drawn = draw(arm)
-        description = describe(drawn, arm.joint_names, time, [PlayedMotion(name, "#0072B2", wave(arm, time))], None)
-        pages[name] = folder / f"arm_{name}.html"
-        write_whole(pages[name], replay_page(name, ARMS[name].description, replay_element(description, drawn.notes)))
+    pages = {name: folder / f"arm_{name}.html" for name in arm_names()}
+    for name, file in pages.items():
+        write_whole(file, page(load_arm(name), name, ARMS[name].description))
     return pages
 
 
 if __name__ == "__main__":
     out = Path(sys.argv[1] if len(sys.argv) > 1 else "results/gallery")
     out.mkdir(parents=True, exist_ok=True)
-    for page in make(out).values():
-        print(page)
+    for made in make(out).values():
+        print(made)

@@ -5,18 +5,19 @@ python viz/gallery.py [FOLDER]        default: results/gallery
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 import sys
-import tempfile
+from contextlib import nullcontext
 from html import escape
 from pathlib import Path
 
 import every_arm
 import shipped_experiments
 import under_a_ceiling
+from contact_sheet import photograph, photographer
 
 from asmc_pin.disk.files import write_whole
+from asmc_pin.errors import ParameterError
+from asmc_pin.viewer.film.headless_browser import browser_program
 
 INDEX = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
@@ -34,35 +35,30 @@ img {{ display: block; width: 100%; border-radius: 8px; margin-bottom: 6px; }}
 """
 
 
-def picture(page: Path, time: float, width: int = 960, height: int = 640) -> Path | None:
-    """Photographs a page at a time of its motion; None without Chromium."""
-    chromium = shutil.which("chromium") or shutil.which("google-chrome")
-    if chromium is None:
-        return None
-    out = page.with_suffix(".png")
-    flags = "--headless --no-sandbox --hide-scrollbars --use-angle=swiftshader --enable-unsafe-swiftshader"
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
-        command = [chromium, *flags.split(), f"--user-data-dir={profile}", f"--window-size={width},{height}"]
-        command += [
-            "--virtual-time-budget=3000",
-            f"--screenshot={out.resolve()}",
-            f"{page.resolve().as_uri()}#t={time}",
-        ]
-        subprocess.run(command, check=True, capture_output=True, timeout=120)
-    return out
-
-
 def main(folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     pages = {**shipped_experiments.make(folder), **every_arm.make(folder), **under_a_ceiling.make(folder)}
     items = []
-    for title, page in pages.items():
-        shot = picture(page, time=1.6)
-        image = f'<img src="{escape(shot.name)}" alt="" loading="lazy">' if shot else ""
-        items.append(f'<li><a href="{escape(page.name)}">{image}{escape(title)}</a></li>')
+    with photographer(960, 640) if has_browser() else nullcontext() as browser:
+        for title, page in pages.items():
+            image = ""
+            if browser is not None:
+                shot = page.with_suffix(".png")
+                write_whole(shot, photograph(browser, page, 1.6))
+                image = f'<img src="{escape(shot.name)}" alt="" loading="lazy">'
+            items.append(f'<li><a href="{escape(page.name)}">{image}{escape(title)}</a></li>')
     index = folder / "index.html"
     write_whole(index, INDEX.format(items="\n".join(items)))
     return index
+
+
+def has_browser() -> bool:
+    """Whether there is a Chromium to take pictures with."""
+    try:
+        browser_program()
+    except ParameterError:
+        return False
+    return True
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from asmc_pin.words.choices import Condition as Condition
 from asmc_pin.words.joint_units import joint_units, listed_with_units
 from asmc_pin.words.provisos import Proviso as Proviso
 from asmc_pin.words.provisos import provisos_json
-from asmc_pin.words.text import exact, printable, quoted, visible
+from asmc_pin.words.text import exact, printable, quoted, rounded_down, rounded_up, visible
 
 Interval: TypeAlias = tuple[float, float]
 
@@ -219,7 +219,9 @@ class Premises:
 
     def _box(self) -> str:
         units = joint_units("place", self.slides)
-        said = [f"{exact(lo)}:{exact(hi)} {unit}" for (lo, hi), unit in zip(self.box.values(), units, strict=True)]
+        # A box is what a statement is about, to its last digit; a motion's ends only say within what it went.
+        low, high = (rounded_down, rounded_up) if self.where == "motion" else (exact, exact)
+        said = [f"{low(lo)}:{high(hi)} {unit}" for (lo, hi), unit in zip(self.box.values(), units, strict=True)]
         if len(set(said)) == 1 and len(said) > 1:
             return f"{said[0]} at every joint"
         return ", ".join(f"{quoted(name)} {ends}" for name, ends in zip(self.box, said, strict=True))

@@ -43,7 +43,7 @@ def explorer_page(report: ConditionReport, data: dict[str, Any], notes: tuple[st
         data: What `explored_arm.described` returned.
         notes: What a person should know of the picture.
     """
-    facts = [*report.hypotheses.rows(), ("Worst configuration", "; ".join(report.method))]
+    facts = [*report.hypotheses.rows(), ("How the worst was searched", "; ".join(report.method))]
     facts += [("Of the search", note) for note in report.notes]
     facts += [("Picture", note) for note in notes]
     return Template(script("explorer.html")).substitute(
@@ -62,6 +62,9 @@ def explorer_page(report: ConditionReport, data: dict[str, Any], notes: tuple[st
 
 def _verdict(report: ConditionReport, data: dict[str, Any]) -> str:
     """What is known over the whole joint box, claiming no more than was searched or proven."""
+    if report.verdict == "violated":
+        found = f"at the configuration of “Worst found” the norm is {report.lower:.6g}, not below 1"
+        return f"On {report.hypotheses.title}, M̄ violates the condition: {found}. {data['cellsNote']}".strip()
     if not data["proven"]:
         return f"{sentence(report)} {data['cellsNote']}".strip()
     found = f"the largest norm found over the joint box below is {report.lower:.6g}"

@@ -72,11 +72,11 @@ class MbarAlongLog(Shown):
         columns = (
             column_cells([f"{m:.4g}" for m in self.report.mbar], "inertia", slides),
             column_cells([f"{q:+.4f}" for q in self.report.worst_q], "place", slides),
-            [f"{x:.3g}" for x in largest],
-            [f"{x:.3g}" for x in rms],
+            column_cells([f"{x:.3g}" for x in largest], "acceleration", slides),
+            column_cells([f"{x:.3g}" for x in rms], "acceleration", slides),
         )
         head = [column_head("m̄", "inertia", slides), column_head("worst q", "place", slides)]
-        head += ["largest |N|, rad/s²", "RMS of N"]
+        head += [column_head(name, "acceleration", slides) for name in ("largest |N|", "RMS of N")]
         rows = zip(map(printable, self.found.arm.joint_names), *columns, strict=True)
         return ["joint", *head], [list(row) for row in rows]
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array, BoolArray
+from asmc_pin.controllers.law_registry import law_name
 from asmc_pin.engine import Rollout
 from asmc_pin.errors import ParameterError
 from asmc_pin.monitors import claim_verdicts
@@ -138,10 +139,10 @@ def _trial(
 ) -> list[Claim]:
     """The claims on one trial; its arrays go to `out`."""
     if mbar is None:
-        reason = f"{type(law).__name__} has no M̄, so there is no Γ of (3)"
+        reason = f"{law_name(law)} has no M̄, so there is no Γ of (3)"
         if getattr(law, "estimates", True):
             return [not_applicable(key, trial, reason) for key in BAEK]
-        reason = f"{type(law).__name__} has an estimate of its own in the place of (6), so there is no N"
+        reason = f"{law_name(law)} has an estimate of its own in the place of (6), so there is no N"
         return [not_applicable(key, trial, _other_law(law) if item.adaptive else reason) for key, item in BAEK.items()]
     weight = float(getattr(law, "estimate_weight", 1.0))
     found = contraction_of(out["signals"], rollout, truth, mbar, trial, weight)
@@ -165,4 +166,4 @@ def _trial(
 
 
 def _other_law(law: Any) -> str:
-    return f"it is proved for the adaptive law (11) of baek2016, not for {type(law).__name__}"
+    return f"it is proved for the adaptive law (11) of baek2016, not for {law_name(law)}"

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from asmc_pin._typing import Array, BoolArray, IntArray
+from asmc_pin.controllers.law_registry import law_name
 from asmc_pin.controllers.promises.run_history import Findings, History
 from asmc_pin.engine import Rollout
 from asmc_pin.monitors.claim_texts import CAUSES, STATEMENTS, Claim, judge, not_applicable
@@ -42,7 +43,7 @@ def source_claims(
     for key, item in STATEMENTS.items():
         if not item.sources:
             continue
-        promise = promised.get(key, f"it is claimed of {item.sources}, not of {type(law).__name__}")
+        promise = promised.get(key, f"it is claimed of {item.sources}, not of {law_name(law)}")
         if isinstance(promise, str):
             claims.append(not_applicable(key, trial, promise))
             continue

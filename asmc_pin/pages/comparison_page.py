@@ -76,9 +76,9 @@ def report_text(result: Result) -> str:
         '<h2 id="motion">Motion and curves</h2>',
         legend(_label_list(result)),
         f'<div class="panel">{replay}</div>',
-        '<p class="soft">Drag to turn, scroll to zoom after a click, space plays and pauses; with the keyboard, arrows '
-        "step, shift and arrows turn the view, + and − zoom. The translucent arm is the reference; <em>Errors</em> "
-        "magnifies the differences from it.</p>",
+        '<p class="soft">Drag to turn, scroll to zoom after a click, space plays and pauses; on a touch screen a '
+        "finger sideways turns, two zoom; with the keyboard, arrows step, shift and arrows turn the view, + and − "
+        "zoom. The translucent arm is the reference; <em>Errors</em> magnifies the differences from it.</p>",
         figure_element(result, short_names(list(map(str, result.dataset.joint.to_numpy())))),
         *_remarks(result),
         *_tables(result),

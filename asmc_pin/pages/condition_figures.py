@@ -32,6 +32,8 @@ def distribution_figure(report: ConditionReport) -> Figure:
         values = report.samples[np.isfinite(report.samples)]
         top = max(float(np.quantile(values, 0.995)), min(report.lower, 1.0))
         right = max(top, 1.0) if report.lower < 1.0 else max(top, 1.05)
+        if report.lower - right < 0.1 * (right - min(float(values.min()), 1.0)):
+            right = max(right, report.lower)  # it lies just beyond, and is to be seen
         axes.hist(np.clip(values, None, right), bins=80, color=PALETTE[0], density=False)
         if report.lower <= right:
             axes.axvline(report.lower, color="#000000", linestyle="--", label=f"largest found, {report.lower:.5g}")

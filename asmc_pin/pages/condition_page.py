@@ -81,6 +81,10 @@ def _html(report: ConditionReport | DesignReport, arm: Arm, plates: list[Plate])
     if isinstance(report, DesignReport):
         body.append("<h2>Why this M̄, and what would help</h2>")
         body += [f"<p>{for_html(line)}</p>" for line in report.reasons()]
+    helpful = _what_would_help(check)
+    if helpful:
+        body.append("<h2>What would help</h2>")
+        body.append("<ul>" + "".join(f"<li>{for_html(line)}</li>" for line in helpful) + "</ul>")
     body += ["<h2>What was asked and how</h2>", "<dl>"]
     body += [f"<dt>{for_html(term)}</dt><dd>{for_html(value)}</dd>" for term, value in facts(report, arm)]
     body.append("</dl>")
@@ -118,6 +122,9 @@ def _markdown(report: ConditionReport | DesignReport, arm: Arm, plates: list[Pla
             "",
             *(f"- {for_markdown(line)}" for line in report.reasons()),
         ]
+    helpful = _what_would_help(check)
+    if helpful:
+        lines += ["", "## What would help", "", *(f"- {for_markdown(line)}" for line in helpful)]
     lines += [
         "",
         "## What was asked and how",
@@ -131,6 +138,12 @@ def _markdown(report: ConditionReport | DesignReport, arm: Arm, plates: list[Pla
         lines += plate.markdown(f"{stem}_")
     lines += ["", "## What the condition means", "", "\n\n".join(meaning(report.condition))]
     return "\n".join(lines) + "\n"
+
+
+def _what_would_help(check: ConditionReport | None) -> list[str]:
+    """Of a violation: which joint is to blame, and what multiple of M̄ a search leaves."""
+    lines = [] if check is None or check.remedy is None else check.remedy.lines()
+    return [f"{line[:1].upper()}{line[1:]}." for line in lines]
 
 
 def _posture(check: ConditionReport) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 
 from asmc_pin.condition import Condition, ConditionReport, DesignReport
 from asmc_pin.condition.hypotheses import NAMES
+from asmc_pin.words.joint_units import Quantity, column_cells, column_head, joint_units
 from asmc_pin.words.text import printable, rounded_down, rounded_up
 
 if TYPE_CHECKING:
@@ -103,21 +104,21 @@ def facts(report: ConditionReport | DesignReport, arm: Arm) -> list[tuple[str, s
 
 def joint_table(check: ConditionReport, arm: Arm) -> tuple[list[str], list[list[str]]]:
     """Header and rows: range, m̄, armature and the worst configuration of every joint; m̄ with all its digits."""
-    head = ["joint", "range", "m̄, kg·m²", "armature at the worst, kg·m²", "worst q", "deg"]
-    rows = []
     kinds = dict(zip(check.subject.joint_names, check.subject.joint_kinds, strict=True))
+    slides = [kinds[joint] == "prismatic" for joint in check.joints]
+    columns: dict[str, tuple[Quantity, list[str]]] = {
+        "m̄": ("inertia", [repr(float(value)) for value in check.mbar]),
+        "armature at the worst": ("inertia", [f"{value:g}" for value in check.worst_armature]),
+        "worst q": ("place", [f"{round(float(value), 6) + 0.0:.6f}" for value in check.worst_q]),
+    }
+    head = ["joint", "range", *(column_head(name, what, slides) for name, (what, _) in columns.items()), "worst q deg"]
+    cells = [column_cells(figures, what, slides) for what, figures in columns.values()]
+    units = joint_units("place", slides)
+    rows = []
     for i, joint in enumerate(check.joints):
-        slides = kinds[joint] == "prismatic"
-        rows.append(
-            [
-                printable(joint),
-                f"{check.box[0][i]:.5g} … {check.box[1][i]:.5g} {'m' if slides else 'rad'}",
-                repr(float(check.mbar[i])),
-                f"{check.worst_armature[i]:g}",
-                f"{round(float(check.worst_q[i]), 6) + 0.0:.6f}",
-                "" if slides else f"{round(float(np.degrees(check.worst_q[i])), 2) + 0.0:.2f}",
-            ]
-        )
+        degrees = "" if slides[i] else f"{round(float(np.degrees(check.worst_q[i])), 2) + 0.0:.2f}"
+        ends = f"{check.box[0][i]:.5g} … {check.box[1][i]:.5g} {units[i]}"
+        rows.append([printable(joint), ends, *(column[i] for column in cells), degrees])
     return head, rows
 
 

@@ -77,7 +77,8 @@ def _metric_columns(summary: pd.DataFrame, name: str) -> tuple[list[Told], list[
     title = METRICS[name].title + (f" [{units[0]}]" if same and units[0] != "1" else "")
     header = joints if same else [f"{joint} [{unit}]" for joint, unit in zip(joints, units, strict=True)]
     moved, best = moves(summary, name), METRICS[name].best
-    columns = [told(values[:, :, j], moved[:, j], best) for j in range(len(units))]
+    counted = METRICS[name].quantity == "count"
+    columns = [told(values[:, :, j], moved[:, j], best, counted=counted) for j in range(len(units))]
     return columns, [best] * len(units), ["controller", *header], title
 
 

@@ -28,7 +28,8 @@ def theorem_section(claims: pd.DataFrame, colours: Mapping[str, str]) -> Iterato
         chip = f'<span class="chip" style="--colour:{colours[label]}"></span>' if label in colours else ""
         cells = "".join(_cell(row[i]) for row in table.rows)
         rows.append(f'<tr data-controller="{for_html(label)}"><th scope="row">{chip}{for_html(label)}</th>{cells}</tr>')
-    body = f"<thead><tr><th></th>{head}</tr></thead><tbody>{''.join(rows)}</tbody>"
+    head = f'<th scope="col">controller</th>{head}'
+    body = f"<thead><tr>{head}</tr></thead><tbody>{''.join(rows)}</tbody>"
     yield scroll(TITLE, f'<table class="claims">{body}</table>')
     texts = definition_list([(item.title, item.text) for item in shown])
     yield details("What each claim says", f'<div class="body">{texts}</div>')

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
-from asmc_pin.controllers import CONTROLLERS, TdeLaw, parameters_of
+from asmc_pin.controllers import TdeLaw, parameters_of
+from asmc_pin.controllers.law_registry import law_name
 from asmc_pin.controllers.linear_form import NEARER, LinearForm, linear_form
 from asmc_pin.errors import ParameterError
 from asmc_pin.words.choices import Acceleration as Acceleration
@@ -262,12 +263,6 @@ def _form_at(law: Any, mbar: bytes, ks: bytes, beta: bytes, period: float) -> Li
 def _linear_near(law: Any, nv: int) -> bool:
     """Whether a law is linear near its set point; a search asks it of the same one over and over."""
     return linear_form(law, nv) is not None
-
-
-def law_name(law: Any) -> str:
-    """The name of a law of the package in experiments; of another what it calls itself, or its class."""
-    own = str(getattr(law, "label", type(law).__name__))
-    return next((name for name, cls in CONTROLLERS.items() if cls is type(law)), own)
 
 
 def law_settings(law: Any) -> dict[str, Any]:

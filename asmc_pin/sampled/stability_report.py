@@ -10,9 +10,10 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.hypotheses import Premises
+from asmc_pin.controllers.law_registry import law_name
 from asmc_pin.sampled.loop_limits import DELAY_SPAN, LoopLimits
 from asmc_pin.sampled.noise.sensor_noise import NOISE_KEYS, LoopNoise
-from asmc_pin.sampled.sampled_loop import SampledLoop, law_name, law_settings
+from asmc_pin.sampled.sampled_loop import SampledLoop, law_settings
 from asmc_pin.words.joint_units import column_cells, column_head, listed_with_units
 from asmc_pin.words.shown import Cells, Shown
 from asmc_pin.words.text import counted, printable, rounded_down, rounded_up

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from asmc_pin.results.result_folder import Result
 
 
-_ALL_TRIANGLES = 480_000
+_ALL_TRIANGLES = 240_000
+"""Of all arms and ghosts of a page together: of four arms side by side each is a quarter as wide as the screen."""
 
 
 def replay_html(result: Result, *, trial: int = 0) -> str:

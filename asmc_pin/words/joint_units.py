@@ -5,9 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Literal, TypeAlias
 
-Quantity: TypeAlias = Literal["inertia", "place"]
+Quantity: TypeAlias = Literal["inertia", "place", "acceleration"]
 
-_UNITS: dict[Quantity, tuple[str, str]] = {"inertia": ("kg·m²", "kg"), "place": ("rad", "m")}
+_UNITS: dict[Quantity, tuple[str, str]] = {
+    "inertia": ("kg·m²", "kg"),
+    "place": ("rad", "m"),
+    "acceleration": ("rad/s²", "m/s²"),
+}
 
 
 def joint_units(quantity: Quantity, slides: Sequence[bool]) -> list[str]:

@@ -11,6 +11,8 @@ from sweep_cases import DATA, tiny
 from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment import experiment_schema
 from asmc_pin.experiment.toml_text import parse_toml
+from asmc_pin.experiment.variation.key_paths import parts_of
+from asmc_pin.experiment.variation.key_units import unit_of_key
 
 
 def drawn(sweep, path, count=400):
@@ -141,3 +143,23 @@ def test_the_table_survives_being_written_and_fits_the_schema():
     jsonschema.validate(DATA, experiment_schema())
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate({**DATA, "sweep": {"arm.payload": {"unifrm": [0.0, 1.0]}}}, experiment_schema())
+
+
+@pytest.mark.parametrize(
+    ("path", "unit"),
+    [
+        ("arm.payload", "kg"),
+        ("period", "s"),
+        ("plant.drive.delay", "periods"),
+        ("plant.friction.coulomb", "N·m (N)"),
+        ("defaults.mbar", "kg·m²"),
+        ("controllers.B.S.beta", "1/s"),
+        ("reference.offset", "rad"),
+        ("plant.substeps", ""),
+        ("controllers.own.gain", ""),
+    ],
+)
+def test_the_unit_of_a_key_is_what_its_class_says_of_it(path, unit):
+    laws = {"B.S": {"law": "bsmc"}, "own": {"law": "my_law:Mine"}}
+    data = {"controllers": laws, "reference": {"kind": "multisine"}}
+    assert unit_of_key(data, parts_of(path, data)) == unit

@@ -328,7 +328,7 @@ def test_a_law_with_another_estimate_has_no_n_and_the_reason_is_given(tmp_path: 
     found = monitor(rollout(Plant(arm, friction=SMOOTH), law, Accelerating(np.array([2.0])), 0.05), arm, law)
     assert {claim.status for claim in found.claims} == {"not applicable"}
     assert "an estimate of its own in the place of (6)" in found.claim("lemma1").reason
-    assert "not for Adrc" in found.claim("eq16").reason
+    assert "not for adrc" in found.claim("eq16").reason
 
 
 class OwnLaw:

@@ -108,7 +108,7 @@ def test_missing_meshes_become_a_skeleton_and_a_note(tmp_path: Path) -> None:
     assert len(drawn.notes) == 1
     assert "package://nowhere/lost.stl not found" in drawn.notes[0]
     upper, lower = drawn.bodies[1].mesh, drawn.bodies[2].mesh
-    assert upper.vertices[:, 0].max() == pytest.approx(0.4, abs=1e-3), "the rod ends where the next joint is"
+    assert upper.vertices[:, 0].max() == pytest.approx(0.6, abs=1e-3), "the rail ends where the next joint's range does"
     np.testing.assert_allclose(np.ptp(lower.vertices, axis=0), 0.1, atol=1e-9)
 
 

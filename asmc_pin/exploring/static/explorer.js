@@ -233,9 +233,10 @@
       const { map, data } = this, { least, most, over, at } = map.extremes(), [x, y] = map.plane;
       const { places } = this.jointFields, name = (k) => data.joints[k].name;
       map.canvas.classList.remove("is-stale");
-      const share = over > 0 ? `1 or more on ${figure(100 * over, 3)} % of its points (orange, inside the black line)` : "below 1 at all of its points";
+      const all = "at all of its points", some = `on ${figure(100 * over, 3)} % of its points (orange, inside the black line)`;
+      const share = over === 0 ? `below 1 ${all}` : `1 or more ${over === 1 ? `${all} (orange)` : some}`;
       one(".map-words").textContent =
-        `From ${figure(least)} (dark) to ${figure(most)}, ${share}; largest at ${name(x)} ${places[x].words(at[0])}, ${name(y)} ${places[y].words(at[1])}. The circle is where the sliders are; a click moves them.`;
+        `From ${figure(least)}${over === 1 ? "" : " (dark)"} to ${figure(most)}, ${share}; largest at ${name(x)} ${places[x].words(at[0])}, ${name(y)} ${places[y].words(at[1])}. The circle is where the sliders are; a click moves them.`;
       map.canvas.setAttribute("aria-label", `Map of the norm over ${name(x)} and ${name(y)}: from ${figure(least)} to ${figure(most)}`);
       const ends = (selector, k) => [...document.querySelectorAll(`${selector} span`)].forEach((span, end) => {
         span.textContent = places[k].words(end ? this.upper[k] : this.lower[k]);

@@ -24,8 +24,10 @@ const AsmcMap = (() => {
         const along = (k, share) => lower[k] + Math.min(Math.max(share, 0), 1) * (upper[k] - lower[k]);
         picked(along(x, (event.clientX - left) / width), along(y, 1 - (event.clientY - top) / height));
       };
-      canvas.addEventListener("pointerdown", (event) => { canvas.setPointerCapture(event.pointerId); pick(event); });
+      // Where it is let go, or dragged to on the way; a finger that goes up or down scrolls the page and picks nothing.
+      canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
       canvas.addEventListener("pointermove", (event) => { if (event.buttons & 1) pick(event); });
+      canvas.addEventListener("click", pick);
       new ResizeObserver(() => this.draw()).observe(canvas);
     }
 

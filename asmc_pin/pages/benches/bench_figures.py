@@ -10,13 +10,12 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from asmc_pin.pages.benches.bench_findings import BenchFindings
-from asmc_pin.pages.figure_style import PAGE, paper_style
+from asmc_pin.pages.figure_style import PAGE, line_look, paper_style
 from asmc_pin.pages.plates import Plate
 from asmc_pin.statistics.over_tasks import performance_profile
 from asmc_pin.words.media import for_figure
 
 _LARGEST = 100.0  # factor up to which profiles are drawn
-_DASHES = ("-", "--", ":")
 
 
 def bench_plates(findings: BenchFindings) -> Iterator[Plate]:
@@ -44,15 +43,8 @@ def _profiles(findings: BenchFindings) -> Figure:
         ax = figure.subplots()
         for place, k in enumerate(findings.order):
             own = findings.laws[k] == findings.proposed
-            ax.step(
-                factors,
-                shares[k],
-                _DASHES[place // 10 % len(_DASHES)],
-                where="post",
-                color=colours[place % 10],
-                lw=2.0 if own else 0.9,
-                label=for_figure(findings.laws[k]),
-            )
+            look = line_look(place, colours[place % 10], factors.size) | {"linewidth": 2.0 if own else 0.9}
+            ax.step(factors, shares[k], where="post", label=for_figure(findings.laws[k]), **look)
         ax.set_xscale("log")
         ax.set_xlim(1.0, _LARGEST)
         ax.set_ylim(-0.02, 1.02)
@@ -72,7 +64,7 @@ def _ranks(findings: BenchFindings) -> Figure:
             ax.plot([mean.low, mean.high], [place, place], "-", color="k", lw=2.0 if own else 0.9)
             ax.plot([mean.rank], [place], "o", color="k", ms=6 if own else 4)
         ax.set_yticks(range(len(findings.laws)), [for_figure(findings.laws[k]) for k in findings.order])
-        ax.invert_yaxis()
+        ax.set_ylim(len(findings.laws) - 0.5, -0.5)
         ax.set_xlim(0.5, len(findings.laws) + 0.5)
         ax.set_xlabel("mean rank")
     return figure

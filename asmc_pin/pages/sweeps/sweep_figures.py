@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 
 from asmc_pin._typing import Array
+from asmc_pin.experiment.variation.key_units import unit_of_key
 from asmc_pin.metrics import METRICS
 from asmc_pin.pages.figure_style import PAGE, dot_look, line_look, paper_style
 from asmc_pin.pages.plates import Plate
@@ -49,14 +50,14 @@ def _distributions(findings: SweepFindings) -> Figure:
             for k, (label, colour) in enumerate(controller_colors(findings.labels).items()):
                 _shares(ax, by_label[label].ravel(), label, k, colour)
             ax.set_xscale("log")
-            _label_decades(ax.xaxis)
+            label_decades(ax.xaxis)
             ax.set_xlabel(for_figure(f"{METRICS[name].title} [{unit_of(findings, name)}]"))
             ax.set_ylim(0.0, 1.02)
         _finish(figure, axes, "Share of trials")
     return figure
 
 
-def _label_decades(axis: Axis) -> None:
+def label_decades(axis: Axis) -> None:
     """Labels on a logarithmic axis: powers of ten, or a few round figures where fewer than two of them are in view."""
     low, high = axis.get_view_interval()
     if np.floor(np.log10(high)) - np.ceil(np.log10(low)) < 1.0:
@@ -117,7 +118,7 @@ def _failures(findings: SweepFindings) -> Figure:
                 )
             ax.set_xlim(start, end)
             ax.set_ylim(-0.02, 1.04)
-            ax.set_xlabel(for_figure(f"{'factor on ' if scans[path].factor else ''}{path}"))
+            ax.set_xlabel(for_figure(_axis_words(findings, path)))
         _finish(figure, axes, "Share without failure")
     return figure
 
@@ -140,13 +141,22 @@ def _dependence(findings: SweepFindings) -> Figure:
                     ax.plot(x[~over], y[~over], label=for_figure(label), rasterized=True, **dot_look(k, colour))
                     ax.plot(x[over], np.full(int(over.sum()), top), "x", ms=3.0, color=colour, rasterized=True)
                 ax.set_yscale("log")
-                _label_decades(ax.yaxis)
+                label_decades(ax.yaxis)
                 if row == len(names) - 1:
-                    ax.set_xlabel(for_figure(path))
+                    ax.set_xlabel(for_figure(_axis_words(findings, path)))
                 if column == 0:
                     ax.set_ylabel(f"{for_figure(METRICS[name].title)}\n[{for_figure(unit_of(findings, name))}]")
         _finish(figure, list(grid.ravel()), None)
     return figure
+
+
+def _axis_words(findings: SweepFindings, path: str) -> str:
+    """What varies along an axis, with its unit."""
+    varied = next(axis for axis in findings.experiment.variation.axes if axis.path == path)
+    if varied.factor:
+        return f"factor on {path}"
+    unit = unit_of_key(findings.experiment.variation.data, varied.parts)
+    return f"{path} [{unit}]" if unit else path
 
 
 def _empty(height: float) -> Figure:

@@ -97,20 +97,22 @@ def _figure(cell: str) -> float | None:
     return None if found is None else float(found[1])
 
 
-def told(values: Array, moved: Array, best: Best) -> Told:
+def told(values: Array, moved: Array, best: Best, *, counted: bool = False) -> Told:
     """One figure of every controller over its trials.
 
     Args:
         values: Shape (controllers, trials); +∞ for a failure, NaN where the figure is not defined.
         moved: By what part of itself half the step moves each median, shape (controllers,); NaN where not known.
         best: Which is the best.
+        counted: Whether it is counted rather than measured.
     """
     spread = spread_of(values.T)
+    shown = _count if counted else number
     texts, ranges = [], []
     for median, low, high, part in zip(spread.median, spread.low, spread.high, moved, strict=True):
-        text = number(float(median)) if math.isfinite(median) else NOTHING
+        text = shown(float(median)) if math.isfinite(median) else NOTHING
         texts.append(text + (f" (±{100.0 * abs(part):.2g} %)" if abs(part) > NOTABLE else ""))
-        ends = number(float(low)), number(float(high))
+        ends = shown(float(low)), shown(float(high))
         ranges.append(None if math.isnan(median) or set(ends) == {text} or math.isinf(low) else ends)
     certain = best_of(values, best == "largest") if best is not None and values.shape[1] > 1 else None
     return Told(texts, ranges, certain)
@@ -149,6 +151,11 @@ def number(value: float, digits: int = 3) -> str:
     if not -5 < size < 6:
         return f"{value:.{digits - 1}e}"
     return f"{value:.{max(0, digits - 1 - size)}f}"
+
+
+def _count(value: float) -> str:
+    """A figure of what is counted: a whole one has no decimals."""
+    return f"{value:.0f}" if abs(value) < 1e6 and value == round(value) else number(value)
 
 
 def markdown_table(table: Table) -> str:

@@ -9,11 +9,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from asmc_pin.metrics import METRICS
 from asmc_pin.pages.figure_style import PAGE, line_look, paper_style
 from asmc_pin.pages.plates import Plate
+from asmc_pin.pages.sweeps.sweep_figures import label_decades
 from asmc_pin.pages.sweeps.sweep_tables import unit_on
 from asmc_pin.pages.tunings.tune_findings import TuneFindings
 from asmc_pin.viewer.colours import controller_colors
@@ -92,6 +93,7 @@ def _convergence(findings: TuneFindings) -> Figure:
             ax.step(number[finite], least[finite], where="post", label=for_figure(item.shown), **look)
         _log(ax, "y")
         ax.set_xlim(1, max(2, findings.budget))
+        ax.xaxis.set_major_locator(MaxNLocator(integer=True))
         ax.set_xlabel("candidates tried")
         ax.set_ylabel(_named(findings)[0])
         _legend(figure, ax)
@@ -132,7 +134,9 @@ def _log(ax: Axes, which: str) -> None:
     if ax.lines and any(np.size(line.get_xdata()) for line in ax.lines):
         if which == "both":
             ax.set_xscale("log")
+            label_decades(ax.xaxis)
         ax.set_yscale("log")
+        label_decades(ax.yaxis)
 
 
 def _legend(figure: Figure, ax: Axes) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from asmc_pin.experiment.variation.key_units import unit_of_key
 from asmc_pin.metrics import METRICS
 from asmc_pin.pages.sweeps.sweep_tables import AT_LEAST, spread_text, unit_on
 from asmc_pin.pages.tables.text_table import Table, number
@@ -24,9 +25,7 @@ HOW_COMPARED = (
     "the rows. Sure: the interval excludes 1, on at least 6 draws; it is about "
     "the gains that this budget found, and another may find others."
 )
-HOW_GAINS = (
-    "Searched by a factor on the file's value, within the range in brackets; a list as a whole unless [i] stands."
-)
+HOW_GAINS = "Searched by a factor on the file's value, within the range beside it; a list as a whole unless [i] stands."
 
 
 def result_table(findings: TuneFindings) -> Table:
@@ -63,7 +62,9 @@ def gains_table(findings: TuneFindings) -> Table:
             rows.append([item.shown, "nothing that says what it is", "", "", ""])
         for name in item.setting:
             ends = [f"×{low:.3g} … {high:.3g}" for key, (low, high) in item.ranges.items() if key.split("[")[0] == name]
-            rows.append([item.shown, name, _values(item.start[name]), _values(item.setting[name]), "; ".join(ends[:1])])
+            unit = unit_of_key({"controllers": findings.experiment.controllers}, ("controllers", item.label, name))
+            gain = f"{name} [{unit}]" if unit else name
+            rows.append([item.shown, gain, _values(item.start[name]), _values(item.setting[name]), "; ".join(ends[:1])])
     return Table("Gains", ["controller", "gain", "file", "tuned", "range"], rows)
 
 

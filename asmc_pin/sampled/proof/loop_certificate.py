@@ -28,10 +28,11 @@ from asmc_pin.condition.inertia_bounds.eigenvalue_prover import EigenvalueProver
 from asmc_pin.condition.inertia_bounds.extreme_eigenvalue import Extreme
 from asmc_pin.condition.inertia_bounds.outward import above, below
 from asmc_pin.condition.premises import ends_of, premises_of
+from asmc_pin.controllers.law_registry import law_name
 from asmc_pin.errors import ParameterError
 from asmc_pin.sampled.proof.gravity_proof import GravityForms, pieces_of, stiffness_bound
 from asmc_pin.sampled.proof.loop_proof import LoopProof
-from asmc_pin.sampled.sampled_loop import SampledLoop, law_name
+from asmc_pin.sampled.sampled_loop import SampledLoop
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm

@@ -145,7 +145,7 @@ def assemble(arm: Arm) -> Parts:
             tip = pose[:3, 3]
     if np.linalg.norm(tip) < 1e-6 and surfaces[last]:
         tip = _far_end(join(surfaces[last]))
-    for body, stick in skeleton(frames, tip).items():
+    for body, stick in skeleton(frames, tip, _slides(arm)).items():
         if not surfaces[body]:
             surfaces[body].append(stick)
     notes = []
@@ -157,6 +157,13 @@ def assemble(arm: Arm) -> Parts:
     elif not shown:
         notes.append("The URDF has no visuals: the arm is drawn as a skeleton.")
     return Parts(frames, surfaces, tip, tuple(notes))
+
+
+def _slides(arm: Arm) -> Array:
+    """From where to where each body goes, the base first, rad or m; shape (2, bodies)."""
+    coupling = arm.tree.coupling
+    ends = [coupling.ratio * end[coupling.coordinate] + coupling.offset for end in (arm.lower, arm.upper)]
+    return np.pad(np.sort(ends, axis=0), ((0, 0), (1, 0)))
 
 
 def joint_frames(arm: Arm) -> tuple[Frame, ...]:

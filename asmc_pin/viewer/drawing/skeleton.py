@@ -1,4 +1,4 @@
-"""An arm without meshes: drums at the joints and rods between them."""
+"""An arm without meshes: drums at the joints, rods between them, and rails where they slide."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ ROD = (148, 156, 168)
 DRUM = (72, 80, 94)
 
 
-def skeleton(frames: Sequence[tuple[int, Array, Array, bool]], tip: Array) -> dict[int, Surface]:
+def skeleton(frames: Sequence[tuple[int, Array, Array, bool]], tip: Array, slides: Array) -> dict[int, Surface]:
     """A stick figure of every body.
 
     Args:
         frames: Parent, placement in it (4, 4), axis (3,), and whether it slides, of every body, the base first.
         tip: The arm's tip in the last body's frame, m.
+        slides: From where to where each body slides, m, shape (2, bodies); not finite where it has no ends.
 
     Returns:
         Surfaces by body, in the bodies' frames.
@@ -31,7 +32,11 @@ def skeleton(frames: Sequence[tuple[int, Array, Array, bool]], tip: Array) -> di
     for body, end in ends:
         if np.linalg.norm(end) > 1e-9:
             parts[body].append(rod(np.zeros(3), end, 0.55 * radius))
-    for body, (_, _, axis, prismatic) in enumerate(frames):
+    for body, (parent, placement, axis, prismatic) in enumerate(frames):
+        low, high = slides[:, body]
+        if prismatic and 0.0 < high - low < np.inf:  # what slides would hang in the air
+            start, end = (placement[:3, 3] + placement[:3, :3] @ axis * where for where in (low, high))
+            parts[parent].append(rod(start, end, 0.3 * radius))
         reach = radius * (1.1 if prismatic else 1.5) * axis / np.linalg.norm(axis)
         parts[body].append(rod(-reach, reach, radius * (0.8 if prismatic else 1.0), DRUM))
     return {body: join(surfaces) for body, surfaces in parts.items()}

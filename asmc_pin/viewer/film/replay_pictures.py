@@ -20,7 +20,7 @@ SIZE = (1280, 720)
 FPS = 30.0
 """Frames of a film per second."""
 
-_BARE = (
+BARE = (
     "(() => { const r = replays[0]; r.pause(); document.querySelector('.replay-controls').style.display = 'none';"
     " document.querySelector('header').style.display = 'none'; r.loop.checked = false;"
     " return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => {"
@@ -100,7 +100,7 @@ def _scene(html: str) -> Iterator[tuple[HeadlessPage, float]]:
         if not page.run("window.replays?.length > 0"):
             said = page.run("document.querySelector('.replay-message')?.textContent ?? ''")
             raise ParameterError("view", f"the browser does not show the motion: {said or 'it has no WebGL'}")
-        yield page, float(page.run(_BARE))
+        yield page, float(page.run(BARE))
 
 
 def _at(page: HeadlessPage, time: float) -> bytes:

@@ -8,29 +8,32 @@ const AsmcArm = (() => {
   const LIMIT = "#d4141c";  // of a torque that stands at its limit
 
   class ArmView {
-    constructor(viewer, name, arm, commands) {
+    // `like`, another view of the same arm, lends its meshes: they are decoded, and lie on the graphics card, once.
+    constructor(viewer, name, arm, commands, like = null) {
       this.arm = arm;
       this.root = viewer.scene_tree.find(["replay", name]).object;
       this.motions = [];
+      this.drawn = [];  // its mesh, by the number of the body
       const paths = [];
       arm.bodies.forEach((body, index) => {
         const path = index ? paths[body.parent].concat(`joint${index}`) : ["replay", name, "base"];
         viewer.set_transform(path, body.placement);
         paths.push(path.concat("motion"));
         this.motions.push(viewer.scene_tree.find(paths[index]).object);
-        if (commands[index]) {
+        if (!commands[index]) return;
+        if (like) viewer.set_object(paths[index], like.drawn[index].clone());
+        else {
           // Meshcat decodes its own command; only the path is this arm's.
           viewer.prefix = "/" + paths[index].join("/");
           viewer.handle_command_bytearray(bytes(commands[index]));
           viewer.prefix = "";
         }
+        // What hangs on it comes later: the one mesh below is its own.
+        this.motions[index].traverse((object) => { if (object.isMesh) this.drawn[index] = object; });
       });
-      this.meshes = [];
-      this.root.traverse((object) => { if (object.isMesh) this.meshes.push(object); });
-      for (const mesh of this.meshes) {
-        mesh.receiveShadow = false;
-        mesh.userData.own = mesh.material;
-      }
+      this.meshes = this.drawn.filter((mesh) => mesh);
+      for (const mesh of this.meshes) mesh.receiveShadow = false;
+      this.own = this.meshes.map((mesh) => mesh.material);
       this.arcs = [];
     }
 
@@ -66,17 +69,18 @@ const AsmcArm = (() => {
 
     // The whole arm translucent in one colour; null gives it back its own.
     tint(colour, opacity) {
-      for (const mesh of this.meshes) {
+      this.meshes.forEach((mesh, k) => {
         mesh.castShadow = colour === null;
         mesh.renderOrder = colour === null ? 0 : 1;
-        mesh.material = colour === null ? mesh.userData.own : this.translucent(colour, opacity);
-      }
+        mesh.material = colour === null ? this.own[k] : this.translucent(colour, opacity);
+      });
     }
 
-    // Pushed back a little, so that where a ghost and a solid arm coincide the solid one is seen.
+    // Pushed back a little, so that where a ghost and a solid arm coincide the solid one is seen. Its outside alone:
+    // what is translucent and has two sides is drawn twice, and its shaders are looked up anew each time.
     translucent(colour, opacity) {
       this.veil ??= new THREE.MeshPhongMaterial({
-        transparent: true, depthWrite: false, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8,
+        transparent: true, depthWrite: false, side: THREE.FrontSide, polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8,
       });
       this.veil.color.set(colour);
       this.veil.opacity = opacity;

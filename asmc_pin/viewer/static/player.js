@@ -1,7 +1,7 @@
 // Plays joint motions on the stage of scene.js: time, controls, and the error under each arm.
 "use strict";
 (() => {
-  const { Stage, element } = AsmcScene, { bytes } = AsmcArm, { chart, places, svg } = AsmcTimeline;
+  const { Stage, element } = AsmcScene, { bytes } = AsmcArm, { chart, places, svg, wished } = AsmcTimeline;
   const floats = (text) => new Float32Array(bytes(text).buffer);
   // Keys that move the camera: around, up and down, and by which factor nearer.
   const SHIFTED = { ArrowLeft: [-0.1, 0, 1], ArrowRight: [0.1, 0, 1], ArrowUp: [0, 0.1, 1], ArrowDown: [0, -0.1, 1] };
@@ -170,10 +170,10 @@
 
     // #t=2.5 opens the page at that time.
     seekWish() {
-      const wish = /^#t=([0-9.]+)$/.exec(location.hash);
-      if (!wish) return false;
+      const time = wished();
+      if (time === null) return false;
       this.pause();
-      this.seek(Number(wish[1]));
+      this.seek(time);
       return true;
     }
 

@@ -13,7 +13,10 @@ const AsmcScene = (() => {
     return made;
   };
 
-  const GHOST = 0x5b9bff;
+  const GHOST = 0x5b9bff, GHOSTLY = 0.5, TINTED = 0.55;  // colour of the reference, and how opaque what is translucent is
+
+  // Half the angle that the picture is wide, rad. So long a lens sees all arms from one side, and no outer one leans.
+  const LENS = 0.05;
 
   class Stage {
     constructor(host, data, embedded) {
@@ -31,8 +34,7 @@ const AsmcScene = (() => {
       // Until the user turns the view, it keeps all arms in sight.
       this.viewer.controls.addEventListener("start", () => { this.turned = true; });
       new ResizeObserver(() => {
-        this.viewer.set_3d_pane_size();
-        if (!host.clientHeight || this.turned) return;
+        if (!this.viewer.set_3d_pane_size() || !host.clientHeight || this.turned) return;
         this.arrange();
         this.resetView();
       }).observe(host);
@@ -42,14 +44,18 @@ const AsmcScene = (() => {
       const viewer = new MeshCat.Viewer(element(this.host, "div", { class: "replay-pane" }), false);
       this.viewer = viewer;
       viewer.gui.domElement.remove();
-      // Meshcat fills the window; here it fills its stage.
-      const resize = viewer.set_3d_pane_size.bind(viewer);
-      viewer.set_3d_pane_size = () => resize(this.host.clientWidth, this.host.clientHeight);
+      // Meshcat fills the window; here it fills its stage. Sizing empties the canvas: only where the size is another.
+      const resize = viewer.set_3d_pane_size.bind(viewer), size = { width: -1, height: -1 };
+      viewer.set_3d_pane_size = () => {
+        const { clientWidth: width, clientHeight: height } = this.host, other = width !== size.width || height !== size.height;
+        if (other) resize(width, height);
+        Object.assign(size, { width, height });
+        return other;
+      };
       window.onload = null;
       viewer.prefix = "";
       const handle = viewer.handle_command.bind(viewer);
       viewer.handle_command = (command) => handle({ ...command, path: viewer.prefix + (command.path || "") });
-      viewer.camera.fov = 10;  // a long lens: the outer arms do not lean
       viewer.controls.enableZoom = !embedded;
       this.canvas = viewer.renderer.domElement;
       this.canvas.setAttribute("role", "img");
@@ -78,9 +84,11 @@ const AsmcScene = (() => {
 
     populate() {
       const { arm, commands, motions, reference, stage } = this.data;
-      this.arms = motions.map((_, k) => new ArmView(this.viewer, `arm${k}`, arm, commands));
-      this.ghosts = reference === null ? [] : motions.map((_, k) => new ArmView(this.viewer, `ghost${k}`, arm, commands));
-      for (const ghost of this.ghosts) ghost.tint(GHOST, 0.34);
+      this.arms = [];
+      const view = (name) => new ArmView(this.viewer, name, arm, commands, this.arms[0]);
+      motions.forEach((_, k) => this.arms.push(view(`arm${k}`)));
+      this.ghosts = reference === null ? [] : motions.map((_, k) => view(`ghost${k}`));
+      for (const ghost of this.ghosts) ghost.tint(GHOST, GHOSTLY);
       motions.forEach((motion, k) => {
         if (motion.shades) this.arms[k].makeShaded();
         if (motion.torque) this.arms[k].addArcs(motion.colour, 0.085 * this.reach);
@@ -133,8 +141,12 @@ const AsmcScene = (() => {
       const aspect = this.host.clientWidth / Math.max(1, this.host.clientHeight);
       const fit = this.together ? count : Math.min(count, Math.max(1, Math.min(4, Math.round(aspect * 2.2))));
       const rows = Math.ceil(count / fit), columns = Math.ceil(count / rows);
-      const across = 1.04 * span(right) + 0.06 * this.reach, deep = 1.3 * span(toward) + 0.15 * this.reach;
+      this.host.style.setProperty("--columns", columns);  // as wide as its arm's place may a label be
       this.elevation = rows > 1 ? 0.5 : 0.3;
+      const { low, high } = this.data.stage, tall = high[2] - low[2] + 0.3 * this.reach;  // with the label below
+      // A row stands so far in front of the next that it hides nothing of it.
+      const across = 1.04 * span(right) + 0.06 * this.reach;
+      const deep = Math.max(1.3 * span(toward) + 0.15 * this.reach, tall / Math.tan(this.elevation));
       this.offsets = this.arms.map((_, k) => {
         const row = Math.floor(k / columns), inRow = Math.min(columns, count - row * columns);
         const u = (k % columns - (inRow - 1) / 2) * across, w = (row - (rows - 1) / 2) * deep;
@@ -155,9 +167,11 @@ const AsmcScene = (() => {
     // Grid, shadows and background, in the page's light or dark colours.
     floor(dark = matchMedia("(prefers-color-scheme: dark)").matches) {
       const { ground } = this.data.stage, { reach, key } = this;
-      const cell = [0.02, 0.05, 0.1, 0.25, 0.5, 1].find((c) => c > reach / 12) || 1;
+      const decade = 10 ** Math.floor(Math.log10(reach / 12));  // an arm may be in millimetres
+      const cell = decade * [1, 2, 5, 10].find((factor) => factor * decade > reach / 12);
       const far = Math.max(...this.offsets.map((o) => Math.hypot(...o)), 0) + 2.2 * reach;
       const cells = 2 * Math.ceil(far / cell);
+      this.extent = 4 * far;  // beyond the floor's corners, wherever the view is shifted to
       const grid = new THREE.GridHelper(cells * cell, cells, dark ? 0x4a525d : 0xb7bfc9, dark ? 0x333a43 : 0xcfd5dc);
       grid.rotateX(Math.PI / 2);
       grid.position.z = ground;
@@ -200,8 +214,8 @@ const AsmcScene = (() => {
     // All arms on one base, tinted, with the reference as the solid one; or side by side with a ghost of it in each.
     gather(together) {
       this.together = together;
-      this.arms.forEach((arm, k) => arm.tint(together ? this.data.motions[k].colour : null, 0.4));
-      this.ghosts[0]?.tint(together ? null : GHOST, 0.34);
+      this.arms.forEach((arm, k) => arm.tint(together ? this.data.motions[k].colour : null, TINTED));
+      this.ghosts[0]?.tint(together ? null : GHOST, GHOSTLY);
       this.host.classList.toggle("is-together", together);
       for (const { label } of this.labels) label.style.transform = "";
       this.arrange();
@@ -255,6 +269,7 @@ const AsmcScene = (() => {
       const { viewer, elevation, rim } = this, { outline, centre, ground, azimuth } = this.data.stage;
       this.turned = false;
       viewer.set_3d_pane_size();
+      viewer.camera.fov = THREE.MathUtils.radToDeg(2 * Math.atan(Math.tan(LENS) / Math.max(1, viewer.camera.aspect)));
       const toward = new THREE.Vector3(Math.cos(azimuth) * Math.cos(elevation), Math.sin(azimuth) * Math.cos(elevation), Math.sin(elevation));
       const right = new THREE.Vector3(-Math.sin(azimuth), Math.cos(azimuth), 0);
       const up = new THREE.Vector3().crossVectors(toward, right);
@@ -278,7 +293,6 @@ const AsmcScene = (() => {
       middle.addScaledVector(right, x).addScaledVector(up, y);
       // Meshcat's camera lives in three.js axes: y up.
       const swap = (v) => new THREE.Vector3(v.x, v.z, -v.y);
-      Object.assign(viewer.camera, { near: distance / 200, far: 40 * distance });
       viewer.controls.target.copy(swap(middle));
       viewer.camera.position.copy(swap(middle.clone().addScaledVector(toward, distance)));
       viewer.controls.update();
@@ -298,8 +312,7 @@ const AsmcScene = (() => {
     photograph() {
       const { viewer, canvas, host } = this, made = document.createElement("canvas"), pen = made.getContext("2d");
       this.floor(false);
-      this.render();
-      viewer.render();  // in the same turn, or the browser may have emptied the canvas
+      this.draw();  // in the same turn, or the browser may have emptied the canvas
       Object.assign(made, { width: canvas.width, height: canvas.height });
       pen.drawImage(canvas, 0, 0);
       this.floor();
@@ -323,21 +336,42 @@ const AsmcScene = (() => {
       return made;
     }
 
+    // Beyond the window's edge a motion goes on unseen, and is drawn when it is seen again.
+    get seen() {
+      const { top, bottom } = this.host.getBoundingClientRect();
+      return bottom > 0 && top < innerHeight;
+    }
+
     render() {
-      if (!this.viewer.needs_render) return;
-      this.viewer.render();
-      const { clientWidth, clientHeight } = this.host, { centre, ground } = this.data.stage, { camera } = this.viewer;
-      this.labels.forEach(({ label }, k) => {
-        if (this.together) {  // in a row below, as the style sheet has them
-          label.hidden = this.off[k];
-          return;
-        }
+      if (!this.viewer.needs_render || (this.drawn && !this.seen)) return;
+      this.draw();
+    }
+
+    draw() {
+      const { viewer, extent } = this, { camera, controls } = viewer, away = camera.position.distanceTo(controls.target);
+      // As near to what is seen as may be: depths are told apart by their ratio, and a long lens stands far off.
+      Object.assign(camera, { near: Math.max(away - extent, away / 200), far: away + extent });
+      this.drawn = true;
+      viewer.render();
+      this.placeLabels();
+    }
+
+    placeLabels() {
+      const { host, labels, off, rim } = this, { centre, ground } = this.data.stage, { camera } = this.viewer;
+      if (this.together) {  // in a row below, as the style sheet has them
+        labels.forEach(({ label }, k) => { label.hidden = off[k]; });
+        return;
+      }
+      const { clientWidth, clientHeight } = host;
+      // All widths are asked for before any label moves: a browser lays the page out once.
+      const widths = labels.map(({ label }) => label.offsetWidth);
+      labels.forEach(({ label }, k) => {
         // In front of the ring, as the camera stands.
         const x = this.offsets[k][0] + centre[0], y = this.offsets[k][1] + centre[1];
-        const dx = camera.position.x - x, dy = -camera.position.z - y, step = this.rim / (Math.hypot(dx, dy) || 1);
+        const dx = camera.position.x - x, dy = -camera.position.z - y, step = rim / (Math.hypot(dx, dy) || 1);
         const point = new THREE.Vector3(x + step * dx, ground, -(y + step * dy)).project(camera);
-        label.hidden = point.z > 1 || this.off[k];
-        const half = label.offsetWidth / 2 + 4;
+        label.hidden = point.z > 1 || off[k];
+        const half = widths[k] / 2 + 4;
         const left = Math.min(Math.max((point.x + 1) / 2 * clientWidth, half), clientWidth - half);
         label.style.transform = `translate(-50%, 5px) translate(${left.toFixed(1)}px, ${((1 - point.y) / 2 * clientHeight).toFixed(1)}px)`;
       });

@@ -55,5 +55,11 @@ const AsmcTimeline = (() => {
     return select;
   };
 
-  return { chart, places, svg };
+  // The time that the page's address asks for, s: #t=2.5; null where it asks for none.
+  const wished = () => {
+    const wish = /^#t=(\d+\.?\d*|\.\d+)$/.exec(location.hash);
+    return wish && Number(wish[1]);
+  };
+
+  return { chart, places, svg, wished };
 })();

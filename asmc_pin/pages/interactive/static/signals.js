@@ -1,5 +1,5 @@
 // Curves of every joint, drawn by BokehJS: one quantity at a time, a cursor that moves with the replay, a click that
-// moves the replay. Expects Bokeh and its API, inlined above.
+// moves the replay. Expects Bokeh and its API and timeline.js, inlined above.
 "use strict";
 (() => {
   const dark = matchMedia("(prefers-color-scheme: dark)");
@@ -33,7 +33,7 @@
       this.joints = this.data.joints.map(() => true);
       this.signal = this.data.signals[0];
       this.logarithmic = false;
-      this.time = window.replays?.[0]?.time ?? 0;  // the replay may have been opened at a time
+      this.time = window.replays?.[0]?.time ?? this.wish() ?? 0;  // the replay may have been opened at a time
       this.plots = [];
       this.range = { start: 0, end: this.data.duration };
       this.dragging = coarse.matches ? "scroll" : "move";
@@ -46,6 +46,7 @@
       dark.addEventListener("change", again);
       document.addEventListener("replay-time", (event) => { this.time = event.detail; this.moveCursor(); });
       document.addEventListener("controller-shown", (event) => this.showController(event.detail.label, event.detail.on));
+      addEventListener("hashchange", () => { if (!window.replays?.length && this.wish() !== null) this.seek(this.wish()); });
       new ResizeObserver(() => this.moveCursor()).observe(host);
     }
 
@@ -105,7 +106,7 @@
       this.plots = this.data.joints.map((name, j) => {
         const figure = element(made, "figure", { class: "signals-figure", "aria-label": this.spoken(j) });
         figure.hidden = !this.joints[j];
-        element(figure, "figcaption", {}, `${name}: ${this.signal.title} [${this.signal.units[j]}]`);
+        element(figure, "figcaption", {}, `${name}: ${this.signal.title} [${this.signal.units[j]}] over time [s]`);
         const body = element(figure, "div", { class: "signals-body" }), { plot, renderers } = this.plot(j);
         document_.add_root(plot);
         return { figure, body, plot, renderers, cursor: null, view: null };
@@ -174,6 +175,12 @@
     seek(time) {
       for (const replay of window.replays ?? []) { replay.pause(); replay.seek(time); }
       if (!window.replays?.length) { this.time = time; this.moveCursor(); }
+    }
+
+    // The time that the address asks for, for where no replay answers it.
+    wish() {
+      const time = AsmcTimeline.wished();
+      return time === null ? null : Math.min(time, this.data.duration);
     }
 
     // Where the replay is, in every plot that shows that time.
