@@ -22,6 +22,8 @@ root_doc = "docs/index"
 include_patterns = ["*.md", "docs/*.md", "docs/*/*.md", "docs/api/*.rst", "benchmarks/README.md", "examples/*.ipynb"]
 exclude_patterns = [".*", "*/.*", "asmc_pin", "build", "dist", "results", "tests", "urdf", "viz"]
 
+# A picture with a width, as a forge takes it.
+myst_enable_extensions = ["html_image"]
 # Headings get the anchors that a forge gives them.
 myst_heading_anchors = 4
 # Notebooks are shown as they were committed; a test runs them.

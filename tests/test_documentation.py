@@ -45,6 +45,17 @@ def test_a_part_that_nobody_makes_is_an_error():
         generate.rendered("<!-- begin amrs -->\n<!-- end amrs -->")
 
 
+def test_the_readme_has_one_picture_two_commands_and_three_questions_with_links_on_the_screen_before_its_tables():
+    screen = (ROOT / "README.md").read_text(encoding="utf-8").partition("\n|")[0]
+    assert screen.count("<img ") + screen.count("![") == 1
+    commands = [line for block in re.findall(r"```sh\n(.*?)```", screen, re.DOTALL) for line in block.splitlines()]
+    assert [line.split("#")[0].strip() for line in commands] == ["make demo", "make test"]
+    questions = re.findall(r"^\*\*[^*]+\?\*\*.*?(?=^$)", screen, re.DOTALL | re.MULTILINE)
+    assert len(questions) == 3
+    assert all("](docs/" in question for question in questions)
+    assert len(screen.splitlines()) <= 45
+
+
 def test_every_shipped_experiment_is_explained():
     text = (ROOT / "docs" / "experiments.md").read_text(encoding="utf-8")
     for name in experiment_names():

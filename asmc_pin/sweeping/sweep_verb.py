@@ -22,6 +22,9 @@ from asmc_pin.sweeping.sweep_workers import block_results, cores
 Progress = Callable[[str, float], None]
 """Told what is being done, and which share of all is done, 0 to 1."""
 
+_WARM = 2.0
+"""Time from the first block on, s, after which the rate is taken of what came after it."""
+
 
 def sweep(
     experiment: Experiment,
@@ -68,30 +71,36 @@ def sweep(
     todo = missing_blocks(plan, folder)
     left = sum(map(len, todo))
     started, began, done = datetime.now(UTC), time.monotonic(), 0
-    tell(how_far(plan, left, 0, 0.0), 1.0 - left / plan.trials)
+    tell(how_far(plan, left, 0, 0, 0.0), 1.0 - left / plan.trials)
+    first: tuple[int, float] | None = None
     results = block_results(plan, todo, workers or cores()) if dask is None else cluster_results(plan, todo, dask)
     for finished, content in results:
         write_shard(folder, finished, content)
         done += len(finished)
-        tell(how_far(plan, left, done, time.monotonic() - began), 1.0 - (left - done) / plan.trials)
+        now = time.monotonic()
+        first = first or (done, now)
+        warm = now - first[1] > _WARM  # before, what starting and compiling took is in the rate
+        counted, since = (done - first[0], first[1]) if warm else (done, began)
+        tell(how_far(plan, left, done, counted, now - since), 1.0 - (left - done) / plan.trials)
     tell("writing", 1.0)
     findings = write_findings(plan, folder, started, time.monotonic() - began)
     return Sweep(folder, plan.trials, findings)
 
 
-def how_far(plan: SweepPlan, left: int, done: int, seconds: float) -> str:
+def how_far(plan: SweepPlan, left: int, done: int, counted: int, seconds: float) -> str:
     """Trials done, how fast, and how long the rest takes.
 
     Args:
         plan: The sweep.
         left: Trials that were to be run when it was started.
         done: Of these, how many are.
+        counted: Of these, how many the rate is taken of.
         seconds: That they took.
     """
     said = f"{plan.trials - left + done:,} of {plan.trials:,} trials"
-    if not done or seconds <= 0.0:
+    if not counted or seconds <= 0.0:
         return said
-    rate = done / seconds
+    rate = counted / seconds
     rest = (left - done) / rate
     unit, size = next(((unit, size) for unit, size in (("h", 3600.0), ("min", 60.0)) if rest >= 2.0 * size), ("s", 1.0))
     return f"{said}, {rate:.3g} per s, {rest / size:.0f} {unit} left"

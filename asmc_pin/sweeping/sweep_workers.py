@@ -18,8 +18,9 @@ from typing import TypeVar
 
 import joblib
 from joblib.externals.loky.backend.resource_tracker import ensure_running
+from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-from asmc_pin.errors import ExperimentError
+from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.sweeping.block_rows import BlockRows
 from asmc_pin.sweeping.sweep_plan import SweepPlan
 from asmc_pin.sweeping.worker_block import run_block
@@ -63,6 +64,7 @@ def block_results(plan: SweepPlan, blocks: Sequence[range], workers: int) -> Ite
 
     Raises:
         ExperimentError: a block cannot be run.
+        ParameterError: a worker was killed.
     """
     if workers == 1 or len(blocks) < 2:
         rows = BlockRows(plan)
@@ -82,6 +84,9 @@ def in_workers(work: Callable[[Item], Result], items: Sequence[Item], workers: i
         work: A function of a module; it hands our errors back in words, for they do not travel between processes.
         items: What it is given, one by one.
         workers: Processes at once.
+
+    Raises:
+        ParameterError: one of them was killed.
     """
     run = joblib.delayed(_watched)
     with joblib.parallel_config(backend="loky", inner_max_num_threads=1):
@@ -93,6 +98,12 @@ def in_workers(work: Callable[[Item], Result], items: Sequence[Item], workers: i
         try:
             for result in done:  # noqa: UP028  # `yield from` would end it itself, before the warning is dealt with
                 yield result
+        except TerminatedWorkerError:
+            raise ParameterError(
+                "workers",
+                "the system or somebody ended one of the processes, maybe for want of memory; what they had handed "
+                "over is kept, and the same command goes on from there, with --workers 1 in this process alone",
+            ) from None
         finally:
             with warnings.catch_warnings():
                 # Whoever takes no more results has a reason, and tells it; what is under way is let go.

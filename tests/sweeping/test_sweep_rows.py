@@ -2,8 +2,10 @@
 
 import re
 import shutil
+import signal
 import time
 import tracemalloc
+from types import SimpleNamespace
 
 import numpy as np
 import pyarrow as pa
@@ -117,17 +119,39 @@ def test_all_controllers_meet_the_same_trial(whole):
         assert len(trial) == 2
 
 
-def test_progress_says_how_many_trials_are_done_how_fast_and_how_long_the_rest_takes(tmp_path):
+def told_of_progress(draws, folder):
+    """What a sweep of blocks of four trials says, up to its page, which takes the longest and is not made."""
     told = []
-    sweep(tiny(), 4, tmp_path / "s", workers=1, block=4, progress=lambda *each: told.append(each))
+
+    def tell(*each):
+        told.append(each)
+        if each[0] == "writing":
+            raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        sweep(tiny(), draws, folder, workers=1, block=4, progress=tell)
+    return told
+
+
+def test_progress_says_how_many_trials_are_done_how_fast_and_how_long_the_rest_takes(tmp_path):
+    told = told_of_progress(4, tmp_path / "s")
     assert told[1] == ("0 of 8 trials", 0.0)
     assert re.fullmatch(r"4 of 8 trials, [\d.e+]+ per s, \d+ (s|min|h) left", told[2][0])
     assert told[2][1] == 0.5
     assert told[3][0].startswith("8 of 8 trials, ")
     assert told[3][0].endswith(" per s, 0 s left")
     plan = sweep_plan(tiny(), 3000, 4, "key")  # 6,000 trials, of which 1,000 were there
-    assert how_far(plan, 5000, 200, 100.0) == "1,200 of 6,000 trials, 2 per s, 40 min left"
-    assert how_far(plan, 5000, 2, 10.0) == "1,002 of 6,000 trials, 0.2 per s, 7 h left"
+    assert how_far(plan, 5000, 200, 200, 100.0) == "1,200 of 6,000 trials, 2 per s, 40 min left"
+    assert how_far(plan, 5000, 2, 2, 10.0) == "1,002 of 6,000 trials, 0.2 per s, 7 h left"
+
+
+def test_what_starting_took_is_not_in_the_rate_for_long(tmp_path, monkeypatch):
+    """A block a second, after thirty seconds of starting."""
+    clock = iter([0.0, *np.arange(30.0, 100.0)])
+    monkeypatch.setattr("asmc_pin.sweeping.sweep_verb.time", SimpleNamespace(monotonic=lambda: next(clock)))
+    told = [what for what, _ in told_of_progress(12, tmp_path / "s")]
+    assert told[2] == "4 of 24 trials, 0.133 per s, 2 min left"
+    assert told[5] == "16 of 24 trials, 4 per s, 2 s left"
 
 
 def test_more_draws_keep_the_trials_that_were_there(whole, tmp_path):
@@ -193,6 +217,12 @@ def test_a_draw_that_fits_no_experiment_names_its_trial(tmp_path):
     for workers in (1, 2):
         with pytest.raises(ExperimentError, match=rf"trial {bad}: .*arm\.payload\.mass"):
             sweep(sweeping, bad + 1, tmp_path / str(workers), workers=workers, block=bad // 2 + 1)
+
+
+@pytest.mark.long
+def test_a_worker_that_is_killed_is_one_message_and_no_fault_of_ours():
+    with pytest.raises(ParameterError, match=r"ended one of the processes.*the same command goes on from there"):
+        list(in_workers(signal.raise_signal, [signal.SIGKILL] * 3, 2))
 
 
 @pytest.mark.long
