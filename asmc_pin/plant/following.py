@@ -58,7 +58,9 @@ def follow_compiled(
     ks = _ks_of(controller, nv)
     step = controller.trial_step if isinstance(controller, CompiledLaw) else None
     names = [*_names(motion), *([] if ks is None else ["s"]), "gain"]
-    histories = {name: np.empty((batch, logged, nv)) for name in names}
+    # One block: numpy asks the system for large pages from 4 MB on, and a history by itself is often below that. The
+    # faults of small pages took up to a sixth of a run.
+    histories = dict(zip(names, np.empty((len(names), batch, logged, nv)), strict=True))
     made = motion, wanted, histories, log_every
     run = CompiledRun(*made) if step is not None else AskedRun(*made, ks)
     state = controller.init(run.sample())
