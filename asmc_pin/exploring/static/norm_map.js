@@ -25,8 +25,16 @@ const AsmcMap = (() => {
         picked(along(x, (event.clientX - left) / width), along(y, 1 - (event.clientY - top) / height));
       };
       // Where it is let go, or dragged to on the way; a finger that goes up or down scrolls the page and picks nothing.
-      canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
-      canvas.addEventListener("pointermove", (event) => { if (event.buttons & 1) pick(event); });
+      // Its first moves come before the browser has decided that it scrolls.
+      let from = [0, 0];
+      canvas.addEventListener("pointerdown", (event) => {
+        from = [event.clientX, event.clientY];
+        canvas.setPointerCapture(event.pointerId);
+      });
+      canvas.addEventListener("pointermove", (event) => {
+        const [aside, along] = [Math.abs(event.clientX - from[0]), Math.abs(event.clientY - from[1])];
+        if (event.buttons & 1 && (event.pointerType !== "touch" || aside > Math.max(10, along))) pick(event);
+      });
       canvas.addEventListener("click", pick);
       new ResizeObserver(() => this.draw()).observe(canvas);
     }
