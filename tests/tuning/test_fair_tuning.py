@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 
@@ -17,6 +18,7 @@ from asmc_pin.errors import ExperimentError, ParameterError, ResultError
 from asmc_pin.experiment import load_experiment
 from asmc_pin.sampled import stability
 from asmc_pin.statistics.rank_tests import probability_of_improvement
+from asmc_pin.sweeping.trial_runs import TrialOutcome
 from asmc_pin.tuning.candidate_runs import CandidateRuns, draws_of
 from asmc_pin.tuning.controller_tuning import ControllerTuning
 from asmc_pin.tuning.fair_score import Judge
@@ -145,6 +147,27 @@ def test_the_winner_keeps_a_limit_that_more_accurate_candidates_break(tuned, tmp
     assert held.keeps_limits
     assert held.errors[held.winner] > free.errors[free.winner]
     assert np.any(~held.within & (held.errors < held.errors[held.winner]))
+
+
+def test_each_limit_is_about_its_own_figure_and_that_of_a_rate_is_the_largest_step_over_the_period():
+    figures = {"rms_error": [0.01, 0.04], "torque_variation": [50.0, 20.0], "torque_noise": [0.3, 0.2]}
+    figures["torque_step"] = [0.5, 0.9]  # in 2 ms: 250 and 450 N·m/s
+    run = TrialOutcome("a", (), "ppc", "PPC", False, "ok", 0.2, {name: np.array(x) for name, x in figures.items()})
+    for limits, excess in (
+        ({"chatter": 100.0}, 0.5),
+        ({"chatter": [100.0, 10.0]}, 2.0),
+        ({"torque_noise": [0.6, 0.1]}, 2.0),
+        ({"torque_rate": 300.0}, 1.5),
+        ({"torque_rate": [500.0, 450.0]}, 1.0),
+        ({"chatter": 100.0, "torque_rate": 900.0}, 0.5),
+    ):
+        score = Judge(small(tune={"train": 2, "held_out": 6, "limits": limits})).score([run])
+        assert score.excess == pytest.approx(excess)
+        assert score.within == (excess <= 1.0)
+        assert score.error == pytest.approx(0.02)
+        assert score.value == pytest.approx(0.02 * max(1.0, excess) ** 2)
+    failed = dataclasses.replace(run, status="diverged")
+    assert Judge(small()).score([run, failed]).excess == math.inf
 
 
 def test_no_candidate_of_the_front_is_beaten_in_both_error_and_chatter(tuned):
