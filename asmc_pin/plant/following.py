@@ -58,8 +58,7 @@ def follow_compiled(
     ks = _ks_of(controller, nv)
     step = controller.trial_step if isinstance(controller, CompiledLaw) else None
     names = [*_names(motion), *([] if ks is None else ["s"]), "gain"]
-    # One block of memory: the system gives a large one in large pages, which take a fraction of the time to come by.
-    histories = dict(zip(names, np.empty((len(names), batch, logged, nv)), strict=True))
+    histories = {name: np.empty((batch, logged, nv)) for name in names}
     made = motion, wanted, histories, log_every
     run = CompiledRun(*made) if step is not None else AskedRun(*made, ks)
     state = controller.init(run.sample())

@@ -30,11 +30,13 @@ def no_reach(plant: PlantParameters, batch: int) -> Array:
 def reached(reach: Array, q: Array, k: int) -> None:
     """Take in where one trial, (5, nv), is at a tick."""
     for i in range(q.size):
+        outside = False  # for the first time only where it is as far as never before
         if q[i] < reach[LOWEST, i]:
             reach[LOWEST, i] = q[i]
+            outside = reach[LOWER, i] - q[i] > LIMIT_SLACK
         if q[i] > reach[HIGHEST, i]:
             reach[HIGHEST, i] = q[i]
-        outside = q[i] - reach[UPPER, i] > LIMIT_SLACK or reach[LOWER, i] - q[i] > LIMIT_SLACK
+            outside = outside or q[i] - reach[UPPER, i] > LIMIT_SLACK
         if outside and reach[LEFT_AT, i] < 0.0:
             reach[LEFT_AT, i] = k
 

@@ -31,7 +31,7 @@ def chain(joints: int, folder: Path) -> Arm:
     return load_arm(path)
 
 
-LOGGED = "1 tick logged of, batch 256"
+LOGGED = "log_every, batch 256"
 
 
 def scaling(repeats: int) -> dict[str, dict[int, float]]:
