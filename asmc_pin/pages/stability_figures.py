@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import io
 import math
+from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ParamSpec
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -16,6 +18,7 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.domain.joint_box import BoxLike
 from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import ParameterError
+from asmc_pin.pages.figure_style import COLUMN, fitted, paper_style
 from asmc_pin.sampled.critical_points import critical_set
 from asmc_pin.sampled.frozen_arms import FrozenArms, frozen_arms
 from asmc_pin.sampled.loop_analysis import spaces_of
@@ -31,6 +34,20 @@ if TYPE_CHECKING:
 # Blue where errors decay, red where they grow; both readable without colour through the boundary line.
 _COLOURS = LinearSegmentedColormap.from_list("decay", ["#1f4e79", "#9ecae1", "#f7f7f7", "#f4a582", "#b2182b"])
 _POINTS = 32
+
+
+_Arguments = ParamSpec("_Arguments")
+
+
+def _for_paper(draw: Callable[_Arguments, Figure]) -> Callable[_Arguments, Figure]:
+    """Draw in the type of a paper."""
+
+    @wraps(draw)
+    def drawn(*args: _Arguments.args, **keywords: _Arguments.kwargs) -> Figure:
+        with paper_style():
+            return draw(*args, **keywords)
+
+    return drawn
 
 
 def save_figures(arm: Arm, loop: SampledLoop, folder: str | Path, *, box: BoxLike = None) -> list[Path]:
@@ -54,11 +71,13 @@ def save_figures(arm: Arm, loop: SampledLoop, folder: str | Path, *, box: BoxLik
             # Without the date, so that the same input gives the same bytes.
             undated = {"CreationDate": None} if suffix == "pdf" else None
             content = io.BytesIO()
-            figure.savefig(content, format=suffix, dpi=150, metadata=undated)
+            with paper_style():
+                figure.savefig(content, format=suffix, metadata=undated)
             write_whole(written[-1], content.getvalue())
     return written
 
 
+@_for_paper
 def gain_region_figure(arm: Arm, loop: SampledLoop, *, box: BoxLike = None, span: float = 30.0) -> Figure:
     """β against k_s at the loop's period: the slowest decay anywhere in the workspace, and where it turns into growth.
 
@@ -80,11 +99,12 @@ def gain_region_figure(arm: Arm, loop: SampledLoop, *, box: BoxLike = None, span
     one = bool(np.all(loop.ks == loop.ks[0]))
     axes.set_xlabel("$k_s$ (1/s)" if one else "$k_{s1}$ (1/s), the others in proportion to it")
     axes.set_ylabel("β (1/s)")
-    axes.set_title(f"{for_figure(arm.name)}, L = {1e3 * loop.period:g} ms{_timing(loop)}", fontsize=10)
-    axes.legend(loc="lower left", fontsize=8)
+    _title(axes, f"{for_figure(arm.name)}, L = {1e3 * loop.period:g} ms{_timing(loop)}")
+    axes.legend(loc="lower left", frameon=True)
     return figure
 
 
+@_for_paper
 def period_region_figure(arm: Arm, loop: SampledLoop, *, box: BoxLike = None, span: float = 30.0) -> Figure:
     """L against the gains (β and K_s scaled together).
 
@@ -105,11 +125,12 @@ def period_region_figure(arm: Arm, loop: SampledLoop, *, box: BoxLike = None, sp
     axes.plot(1e3 * loop.period, loop.beta[0], "o", color="black", markerfacecolor="white", label="this loop", zorder=3)
     axes.set_xlabel("L (ms)")
     axes.set_ylabel(r"β (1/s), $K_s$ in proportion to it")
-    axes.set_title(f"{for_figure(arm.name)}, β : k_s = {loop.beta[0]:g} : {loop.ks[0]:g}{_timing(loop)}", fontsize=10)
-    axes.legend(loc="lower left", fontsize=8)
+    _title(axes, f"{for_figure(arm.name)}, β : k_s = {loop.beta[0]:g} : {loop.ks[0]:g}{_timing(loop)}")
+    axes.legend(loc="lower left", frameon=True)
     return figure
 
 
+@_for_paper
 def workspace_figure(
     arm: Arm, loop: SampledLoop, joints: tuple[int, int], q: Array, *, box: BoxLike = None, gravity: bool = False
 ) -> Figure:
@@ -141,16 +162,19 @@ def workspace_figure(
     _paint(axes, x, y, -np.log(radii) / loop.period, "slowest decay, −ln ρ / L (1/s)")
     for axis, j in ((axes.set_xlabel, across), (axes.set_ylabel, up)):
         axis(f"{for_figure(arm.joint_names[j])} ({'rad' if arm.joint_kinds[j] == 'revolute' else 'm'})")
-    axes.set_title(
-        f"{for_figure(arm.name)}, largest radius {radii.max():.5f}" + (", about rest" if gravity else ""), fontsize=10
-    )
+    _title(axes, f"{for_figure(arm.name)}, largest radius {radii.max():.5f}" + (", about rest" if gravity else ""))
     return figure
 
 
 def _blank() -> tuple[Figure, Axes]:
-    figure = Figure(figsize=(5.4, 4.4), layout="constrained")
+    figure = Figure(figsize=(COLUMN, 2.8), layout="constrained")
     FigureCanvasAgg(figure)
     return figure, figure.add_subplot()
+
+
+def _title(axes: Axes, words: str) -> None:
+    text, size = fitted(words, 68.0 * COLUMN)
+    axes.figure.suptitle(text, fontsize=size)  # over the bar of colours too
 
 
 def _region(

@@ -75,8 +75,9 @@ def moving_arms(plant: PlantParameters, period: float, duration: float) -> list[
     """
     arms = {"": plant.arm}
     if plant.spread is not None and plant.spread.moves_links:
-        drawn = plant.spread.arms((plant.arm,), plant.seed, [0])[0]
-        arms = {"links as drawn for trial 0": drawn, **_ends(plant.spread, plant.arm)}
+        numbers = plant.numbered([0])
+        drawn = plant.spread.arms((plant.arm,), plant.seed, numbers)[0]
+        arms = {f"links as drawn for trial {numbers[0]}": drawn, **_ends(plant.spread, plant.arm)}
     found = []
     for start, end, changes in _phases(plant, period, round(duration / period)):
         for links, arm in arms.items():

@@ -63,7 +63,17 @@ def replay(
     made = compare(single, folder / "replay" / str(trial), force=True, progress=progress, warn=warn)
     if axis is None:
         _check_same(made, _rows_of(plan, folder, trial))
+        if warn is not None and _others(plan, folder):
+            warn(f"{folder} holds rows {_STALE}; this run is not held against them")
     return made
+
+
+_STALE = "of another experiment, URDF or version"
+
+
+def _others(plan: SweepPlan, folder: Path) -> bool:
+    """Whether rows lie there that are another sweep's, so that a replay may well differ from them."""
+    return any(key not in (plan.key, None) for key in shards_there(folder).values())
 
 
 def _rows_of(plan: SweepPlan, folder: Path, trial: int) -> dict[str, list[object]] | None:
@@ -83,9 +93,9 @@ def _failing(plan: SweepPlan, folder: Path, trial: int, scan: tuple[float, float
     """The value nearest to a scan's start at which a controller failed; the scan's end if none did."""
     rows = _rows_of(plan, folder, trial)
     if rows is None:
-        raise ParameterError(
-            "replay", f"trial {trial} is a scan, and {folder} has no rows of this sweep that say where"
-        )
+        there = f", only rows {_STALE}: sweep it again with --force" if _others(plan, folder) else ""
+        told = f"trial {trial} is a scan, and {folder} has no rows of this sweep that say where{there}"
+        raise ParameterError("replay", told)
     ends = np.array(rows[FAILS_AT], dtype=np.float64)
     ends = ends[np.isfinite(ends)]
     return float(ends[np.argmin(np.abs(ends - scan[0]))]) if len(ends) else scan[1]

@@ -10,6 +10,7 @@ import tomllib
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.collections import PolyCollection
 from short_experiment import SHORT
 
 from asmc_pin.arms import load_arm
@@ -17,6 +18,7 @@ from asmc_pin.engine import rollout
 from asmc_pin.errors import ExperimentError
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
+from asmc_pin.pages.comparison_figures import errors_figure, gains_and_s_figure, torques_figure
 from asmc_pin.pages.tables.text_table import number
 from asmc_pin.results import result_folder
 from asmc_pin.study import compare
@@ -133,6 +135,29 @@ def test_the_bands_are_the_quantiles_of_all_trials_tick_by_tick(done):
                 exact = np.quantile(values, share, axis=0)
                 np.testing.assert_allclose(band, exact, rtol=1e-3, atol=1e-12, err_msg=name)
     assert comparison.dataset.error_low.attrs["units"] == "rad"
+
+
+def bands_in(figure):
+    return [each for axis in figure.axes for each in axis.collections if isinstance(each, PolyCollection)]
+
+
+@pytest.mark.parametrize(("draw", "drawn"), [(errors_figure, 4), (gains_and_s_figure, 6), (torques_figure, 4)])
+def test_every_figure_draws_the_band_of_each_controller_and_joint_and_that_of_a_single_run_none(done, draw, drawn):
+    """Two controllers and two joints; one of them has a gain."""
+    dataset = done[0].dataset.isel(trial=0)
+    assert len(bands_in(draw(dataset, np.full(2, np.inf)))) == drawn
+    ends = [name for name in dataset if str(name).endswith(("_low", "_high"))]
+    assert bands_in(draw(dataset.drop_vars(ends), np.full(2, np.inf))) == []
+
+
+def test_a_band_is_drawn_where_its_quantiles_are(done):
+    dataset = done[0].dataset.isel(trial=0)
+    for axis, place in zip(torques_figure(dataset, np.full(2, np.inf)).axes, np.ndindex(2, 2), strict=True):
+        joint, controller = place
+        (band,) = axis.collections
+        height = band.get_paths()[0].vertices[:, 1]
+        low, high = (dataset[f"torque_{end}"].to_numpy()[controller, :, joint] for end in ("low", "high"))
+        assert (height.min(), height.max()) == pytest.approx((low.min(), high.max()), rel=1e-6)
 
 
 def test_a_band_ends_where_a_trial_that_diverged_would_be_part_of_it():

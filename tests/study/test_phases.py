@@ -103,6 +103,16 @@ def test_a_change_after_the_end_of_the_run_is_no_phase_of_it() -> None:
     assert [item.ticks for item in moving_arms(plant, 0.001, 0.501)] == [slice(0, 500), slice(500, None)]
 
 
+def test_a_trial_of_a_sweep_that_is_run_again_is_judged_with_the_links_that_were_drawn_for_it() -> None:
+    plant = Plant(load_arm("two_link"), spread=Spread(mass=0.1), first_trial=7)
+    drawn, *_ = moving_arms(plant, 0.001, 0.2)
+    q = np.array([0.3, -0.4])
+    assert drawn.links == "links as drawn for trial 7"
+    assert np.array_equal(drawn.arm.mass_matrix(q), plant.for_trials([0]).arms[0].mass_matrix(q))
+    other, *_ = moving_arms(Plant(load_arm("two_link"), spread=Spread(mass=0.1)), 0.001, 0.2)
+    assert not np.allclose(drawn.arm.mass_matrix(q), other.arm.mass_matrix(q), rtol=1e-3)
+
+
 def test_of_two_changes_in_one_tick_the_later_one_counts() -> None:
     arm = load_arm("two_link")
     changes = [PayloadChange(time=0.1002, payload=2.0), PayloadChange(time=0.1, payload=1.0)]

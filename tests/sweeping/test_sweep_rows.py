@@ -8,6 +8,7 @@ import tracemalloc
 from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -256,6 +257,18 @@ def test_a_replay_has_the_figures_of_its_rows_and_its_experiment_runs_alone(whol
         assert np.array_equal(first[name].to_numpy(), rows[rows.trial == 7][name].to_numpy(), equal_nan=True), name
     with pytest.raises(ParameterError, match="0 to 11"):
         replay(tiny(), 6, 12, folder)
+
+
+def test_a_replay_beside_rows_of_another_version_says_that_it_is_not_held_against_them(whole, monkeypatch):
+    told = []
+    made = SimpleNamespace(rows=pd.DataFrame({"trial": [0]}))
+    monkeypatch.setattr("asmc_pin.sweeping.trial_replay.compare", lambda *_, **__: made)
+    other = tiny(seed=6)
+    assert replay(other, 6, 7, whole[1], warn=told.append) is made
+    assert told == [f"{whole[1]} holds rows of another experiment, URDF or version; this run is not held against them"]
+    scanned = tiny({"arm.payload": {"scan": [0.0, 8.0]}})
+    with pytest.raises(ParameterError, match=r"only rows of another experiment.* sweep it again with --force"):
+        replay(scanned, 6, 1, whole[1])
 
 
 def test_an_experiment_with_a_tool_has_its_error_in_the_rows_and_a_replay_has_the_same(tmp_path):

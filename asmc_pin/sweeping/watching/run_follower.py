@@ -78,7 +78,7 @@ def _page(name: str, body: str, *, ended: bool) -> str:
         f'<title>{for_html(name)}</title><link rel="icon" href="data:,">'
         '<meta name="viewport" content="width=device-width, initial-scale=1"><style>'
         "html { color-scheme: light dark; } body { font: 16px/1.5 system-ui, sans-serif; margin: 2rem; }"
-        "body { background: Canvas; color: CanvasText; }"
+        "body { background: Canvas; color: CanvasText; overflow-wrap: anywhere; }"
         "th, td { padding: 4px 14px; text-align: right; } th:first-child { text-align: left; }</style></head>"
         f'<body><main class="followed" data-every="{EVERY}"{" data-ended=true" * ended}><h1>{for_html(name)}</h1>'
         f'<p class="state" role="status">{said}</p>{body}</main>{script}</body></html>'
