@@ -13,14 +13,16 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from asmc_pin._typing import Array
 from asmc_pin.pages.curves import running_max, thinned
-from asmc_pin.pages.figure_style import COLUMN, GREY, PAGE, paper_style, save, shade, shade_sizes
+from asmc_pin.pages.figure_style import COLUMN, GREY, PAGE, line_look, paper_style, save, shade, shade_sizes
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.words.media import for_figure
 
 SCHEMES = ("PPC", "BSMC", "Existing", "Proposed")
 _TUNED = " tuned"
 _TIME = "Time [s]"
+_RANGE = "range of the paper's figure"
 Pair = Sequence[tuple[Mapping[str, Any], xr.Dataset]]
 """An experiment's figures and trajectories, as printed and as reconciled, or one of them."""
 
@@ -88,8 +90,8 @@ def _gains(pair: Pair) -> Figure:
             run = dataset.sel(controller=label)
             for i in range(2):
                 gain, s = of_gain * run.gain.to_numpy()[:, i], of_s * run.s.to_numpy()[:, i]
-                grid[i][column].plot(*thinned(time, gain), color=_color(scheme))
-                grid[2 + i][column].plot(*thinned(time, s), color=_color(scheme), linewidth=0.6)
+                _plot(grid[i][column], scheme, *thinned(time, gain))
+                _plot(grid[2 + i][column], scheme, *thinned(time, s), linewidth=0.6)
                 shade(grid[i][column], run, "gain", i, of_gain, _color(scheme))
                 shade(grid[2 + i][column], run, "s", i, of_s, _color(scheme))
         for i in range(2):
@@ -121,7 +123,7 @@ def _torques(pair: Pair) -> Figure:
         axis.set_xlabel(_TIME)
         axis.xaxis.set_major_locator(MaxNLocator(4, prune="upper"))  # or the last number meets the next panel's first
     figure.align_ylabels(grid[:, 0])
-    figure.legend(handles=[_paper_line()], loc="outside upper center")
+    figure.legend(handles=_paper_line(figure), loc="outside upper center")
     return figure
 
 
@@ -133,7 +135,7 @@ def _errors(pair: Pair) -> Figure:
         for scheme, label in shown_labels(dataset).items():
             error = np.abs(dataset.q_ref.to_numpy() - dataset.sel(controller=label).q.to_numpy()) * to_unit
             for i in range(2):
-                grid[i][column].plot(*running_max(time, error[:, i]), color=_color(scheme))
+                _plot(grid[i][column], scheme, *running_max(time, error[:, i]))
                 shade_sizes(grid[i][column], dataset.sel(controller=label), i, to_unit, _color(scheme))
         for i in range(2):
             axis = grid[i][column]
@@ -177,19 +179,30 @@ def _limit(axis: Axes, value: float, both: bool = False) -> None:
         axis.text(0.98, 0.93, text, bbox=behind, **place)
         return
     for side in (-value, value) if both else (value,):
-        axis.axhline(side, color=GREY, linestyle="--", linewidth=0.7)
+        axis.axhline(side, color=GREY, linestyle="--", linewidth=0.7, label=_RANGE)
+
+
+def _plot(axis: Axes, scheme: str, time: Array, values: Array, **look: Any) -> None:
+    axis.plot(time, values, **line_look(SCHEMES.index(scheme), _color(scheme), len(time)), **look)
 
 
 def _color(scheme: str) -> str:
     return controller_colors(SCHEMES)[scheme]
 
 
-def _paper_line() -> Line2D:
-    return Line2D([], [], color=GREY, linestyle="--", linewidth=0.8, label="range of the paper's figure")
+def _paper_line(figure: Figure) -> list[Line2D]:
+    """The line of the paper's range for a legend, if it is drawn anywhere."""
+    if not any(line.get_label() == _RANGE for axis in figure.axes for line in axis.lines):
+        return []
+    return [Line2D([], [], color=GREY, linestyle="--", linewidth=0.8, label=_RANGE)]
 
 
 def _legend(figure: Figure, schemes: Sequence[str], pair: Pair) -> Figure:
     labels = shown_labels(pair[0][1])
-    lines = [Line2D([], [], color=_color(x), label=labels[x], linewidth=1.2) for x in schemes if x in labels]
-    figure.legend(handles=[*lines, _paper_line()], loc="outside upper center", ncols=5)
+    lines = [
+        Line2D([], [], label=labels[x], linewidth=1.2, **line_look(SCHEMES.index(x), _color(x)))
+        for x in schemes
+        if x in labels
+    ]
+    figure.legend(handles=[*lines, *_paper_line(figure)], loc="outside upper center", ncols=5)
     return figure
