@@ -46,8 +46,8 @@ def tool_error(arm: Arm, run: Rollout, tool: str) -> ToolError:
     Raises:
         ParameterError: there is no such frame, or not every tick of the run is logged.
     """
-    run.need_every_tick("the tool's error is")
     kinematics = FrameKinematics(arm, tool, "tool")
+    run.need_every_tick("the tool's error is")
     wanted, found = kinematics.poses(run.q_ref), kinematics.poses(run.q)
     position = np.linalg.norm(found[..., :3, 3] - wanted[..., :3, 3], axis=-1)
     turn = np.einsum("...ji,...jk->...ik", wanted[..., :3, :3], found[..., :3, :3])

@@ -50,8 +50,8 @@ def tool_path(arm: Arm, run: Rollout, tool: str) -> ToolPath:
     Raises:
         ParameterError: there is no such frame, or not every tick of the run is logged.
     """
-    run.need_every_tick("the tool's path is")
     kinematics = FrameKinematics(arm, tool, "tool")
+    run.need_every_tick("the tool's path is")
     passes = len(run.status)
     if any(status != "ok" for status in run.status):
         return ToolPath(tool, passes, np.inf, np.inf)

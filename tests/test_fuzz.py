@@ -21,7 +21,7 @@ from asmc_pin import load_arm
 from asmc_pin.errors import ArmError
 from asmc_pin.experiment import Experiment
 
-SOME = {"urdf": 120, "toml": 40, "certificate": 80, "result": 60}
+SOME = {"urdf": 60, "toml": 20, "certificate": 50, "result": 40}
 MANY = 500
 
 
