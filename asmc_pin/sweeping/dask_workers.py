@@ -108,13 +108,16 @@ def _results(
             return
         future = next(done)
         block, losses = under_way.pop(future.key)
-        status, error = future.status, future.exception() if future.status == "error" else None
-        if isinstance(error, distributed.KilledWorker) and losses < LOSSES:
+        try:
+            # A worker that dies with rows that were not fetched yet is no loss: this waits until they are made again.
+            worker, content, trouble = future.result()
+        except distributed.KilledWorker as error:
+            if losses >= LOSSES:
+                raise _no_end(block, error, address) from None
             hand_over(block, losses + 1)
             continue
-        if status != "finished":
-            raise ParameterError("dask", f"trials {block[0]} to {block[-1]} came to no end: {_why(error, address)}")
-        worker, content, trouble = future.result()
+        except Exception as error:
+            raise _no_end(block, error if future.status == "error" else None, address) from None
         future.release()
         if trouble is not None:
             raise ExperimentError("", f"worker {worker}: {trouble}")
@@ -137,7 +140,12 @@ def _threads(client: Any, address: str) -> int:
     return len(threads)
 
 
-def _why(error: BaseException | None, address: str) -> str:
+def _no_end(block: range, error: Exception | None, address: str) -> ParameterError:
+    return ParameterError("dask", f"trials {block[0]} to {block[-1]} came to no end: {_why(error, address)}")
+
+
+def _why(error: Exception | None, address: str) -> str:
+    """What an error of a worker says; without one the connection to the scheduler is lost."""
     said = f"the scheduler at {address} is gone" if error is None else _first_line(error)
     return f"{said}; what was done is kept, and the same command goes on from there"
 

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import time
 
 import distributed
 import pytest
@@ -25,26 +26,39 @@ def here(tmp_path_factory):
 
 
 class KillsAWorker:
-    """Told of the progress, kills the process of a worker that has blocks, once some are done."""
+    """Told of the progress, kills the process of a worker once some blocks are done.
 
-    def __init__(self, cluster):
-        self.cluster, self.told, self.had = cluster, 0, 0
+    Args:
+        cluster: Whose worker.
+        among: What the client is asked for, the keys that each worker has: the one with the most of them is killed.
+    """
+
+    def __init__(self, cluster, among):
+        self.cluster, self.among, self.told, self.had = cluster, among, 0, 0
 
     def __call__(self, _what, _share):
         self.told += 1
-        if self.told == 9:
-            with distributed.Client(self.cluster.address, set_as_default=False) as client:
-                pids = client.run(os.getpid)
-                blocks = client.processing()
-            worker = max(blocks, key=lambda name: len(blocks[name]))
-            self.had = len(blocks[worker])
+        if self.told != 9:
+            return
+        with distributed.Client(self.cluster.address, set_as_default=False) as client:
+            pids = client.run(os.getpid)
+            deadline = time.monotonic() + 60
+            while not self.had and time.monotonic() < deadline:
+                keys = self.among(client)
+                worker = max(keys, key=lambda name: len(keys[name]))
+                self.had = len(keys[worker])
             os.kill(pids[worker], signal.SIGKILL)
+            while worker in client.nthreads() and time.monotonic() < deadline:
+                time.sleep(0.01)
 
 
 @pytest.mark.long
-def test_a_cluster_that_loses_a_worker_in_mid_run_gives_the_bytes_of_one_process(here, tmp_path):
+@pytest.mark.parametrize(
+    "among", [distributed.Client.processing, distributed.Client.has_what], ids=["being run", "done and not fetched"]
+)
+def test_a_cluster_that_loses_a_worker_in_mid_run_gives_the_bytes_of_one_process(here, tmp_path, among):
     with dask_cluster(tmp_path, 2) as cluster:
-        kills = KillsAWorker(cluster)
+        kills = KillsAWorker(cluster, among)
         sweep(tiny(), DRAWS, tmp_path / "there", dask=cluster.address, block=SIZE, progress=kills)
         assert sum(worker.poll() is not None for worker in cluster.workers) == 1
     assert kills.had >= 1, "it had nothing to lose"
@@ -103,9 +117,9 @@ def test_a_block_whose_workers_die_again_and_again_ends_the_sweep(tmp_path, monk
         def __init__(self, key):
             self.key = key
 
-        def exception(self):
+        def result(self):
             given_up.append(self.key)
-            return Killer()
+            raise Killer
 
     class Done(list):
         add = list.append
