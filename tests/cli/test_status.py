@@ -262,10 +262,13 @@ def test_no_clock_counts_what_the_compiler_takes_and_it_is_told_once():
 @pytest.mark.long
 def test_the_first_run_says_that_it_compiles_and_the_second_has_no_need_to(tmp_path):
     cache = {"NUMBA_CACHE_DIR": str(tmp_path)}
-    first, second = (run(*HOLDS, "--json", env=cache) for _ in range(2))
+    began = time.monotonic()
+    first = run(*HOLDS, "--json", env=cache)
+    wall = time.monotonic() - began
+    second = run(*HOLDS, "--json", env=cache)
     assert first.stderr.count("compiling") == 1
     assert "compiling" not in second.stderr
-    assert json.loads(first.stdout)["seconds"] < 5.0  # to compile takes longer
+    assert json.loads(first.stdout)["seconds"] < 0.5 * wall  # most of it went into compiling
 
 
 def test_the_real_entry_point_is_this_one():

@@ -8,11 +8,11 @@ import signal
 import stat
 import subprocess
 import sys
-import time
 from pathlib import Path
 
+import moments
 import pytest
-from processes import ROOT, command, environment
+from processes import ROOT, command, environment, run
 from short_experiment import SHORT
 
 from asmc_pin.arms import load_arm
@@ -133,7 +133,6 @@ def test_a_result_that_has_no_room_leaves_the_former_one(tmp_path, kilobytes):
 # Killed ---------------------------------------------------------------------------------------------------------------
 
 FOLDER = """
-import time
 from pathlib import Path
 from asmc_pin.disk.files import whole_folder
 with whole_folder(Path("result")) as made:
@@ -161,6 +160,13 @@ def killed(source, target):
 os.replace = killed
 with whole_folder(Path("result")) as made:
     (made / "x").write_text("new")
+"""
+
+KILLED_AT_FIVE_FILES = f"""
+import os, signal, sys
+sys.path.append({str(Path(moments.__file__).parent)!r})
+from moments import when_opened
+when_opened(".new/", 5, lambda: os.kill(os.getpid(), signal.SIGKILL))
 """
 
 
@@ -230,16 +236,11 @@ def test_a_former_result_is_not_put_back_over_a_later_one(tmp_path):
 @pytest.mark.long
 def test_a_comparison_that_is_killed_leaves_nothing_after_the_next(tmp_path):
     (tmp_path / "short.toml").write_text(SHORT)
-    arguments = command("compare", "short.toml", "--json")
-    process = subprocess.Popen(arguments, cwd=tmp_path, env=environment(), stdout=subprocess.DEVNULL)
-    deadline = time.monotonic() + 120
-    while not list(tmp_path.glob("results/.short.*.new/trajectories.nc")):
-        assert time.monotonic() < deadline
-        time.sleep(0.002)
-    process.kill()
-    process.wait()
-    assert len(names(tmp_path / "results")) == 1
-    assert subprocess.run(arguments, cwd=tmp_path, env=environment(), capture_output=True, timeout=300).returncode == 0
+    killed = run("compare", "short.toml", "--json", before=KILLED_AT_FIVE_FILES, cwd=tmp_path)
+    assert killed.returncode == -signal.SIGKILL
+    (half,) = names(tmp_path / "results")
+    assert "trajectories.nc" in names(tmp_path / "results" / half)
+    assert run("compare", "short.toml", "--json", cwd=tmp_path).returncode == 0
     assert names(tmp_path / "results") == ["short"]
 
 

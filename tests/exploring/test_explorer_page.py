@@ -45,7 +45,7 @@ def arm() -> Arm:
 @pytest.fixture(scope="module")
 def address(arm: Arm, tmp_path_factory: pytest.TempPathFactory) -> str:
     path = tmp_path_factory.mktemp("page") / "two_link.html"
-    assert explore(arm, MBAR, budget=0.3, samples=2048, html=path) == path
+    assert explore(arm, MBAR, budget=30.0, samples=2048, html=path) == path
     return path.as_uri()
 
 
@@ -320,7 +320,7 @@ def test_a_served_page_says_whether_links_collide_and_an_offline_one_asks_nobody
 
 def test_the_server_answers_this_machine_and_sound_questions_alone(served: int) -> None:
     def asked(path: str, host: str = "127.0.0.1") -> int:
-        connection = HTTPConnection("127.0.0.1", served, timeout=5)
+        connection = HTTPConnection("127.0.0.1", served, timeout=60)
         connection.request("GET", path, headers={"Host": host})
         status = connection.getresponse().status
         connection.close()
@@ -331,7 +331,7 @@ def test_the_server_answers_this_machine_and_sound_questions_alone(served: int) 
     for wrong in ("0,0", "0,0,0,0,0,nan", "a,b,c,d,e,f", ""):
         assert asked(f"/collisions?q={wrong}") == 400
     with socket.socket() as other:
-        other.settimeout(5)
+        other.settimeout(60)
         assert other.connect_ex(("127.0.0.2", served)) != 0
 
 

@@ -108,7 +108,7 @@ PAGES: dict[str, Any] = {
     "proven": write_proven,
     "design": write_design,
     "identification": write_identification,
-    "explorer": lambda path: explore(load_arm("two_link"), [0.05, 0.09], budget=0.3, samples=256, html=path),
+    "explorer": lambda path: explore(load_arm("two_link"), [0.05, 0.09], budget=30.0, samples=256, html=path),
     "sweep": written_by(lambda out: sweep(tiny(), 4, out, workers=1)),
     "tuning": written_by(lambda out: tune(small(), 2, out)),
     "benchmark": written_by(lambda out: bench(out=out, **PART)),

@@ -23,6 +23,14 @@ class Cluster:
     workers: list[subprocess.Popen[bytes]]
 
 
+def _address(told: Path) -> str | None:
+    """What the scheduler's file says; None while it is not there or not written to its end."""
+    try:
+        return str(json.loads(told.read_text())["address"])
+    except (FileNotFoundError, json.JSONDecodeError):
+        return None
+
+
 @contextmanager
 def dask_cluster(folder: Path, workers: int, **variables: str) -> Iterator[Cluster]:
     """A cluster; whatever is left of it is killed afterwards.
@@ -44,11 +52,10 @@ def dask_cluster(folder: Path, workers: int, **variables: str) -> Iterator[Clust
     started = [start("dask_scheduler", "--port", "0", "--no-dashboard", "--scheduler-file", str(told))]
     try:
         deadline = time.monotonic() + 120
-        while not told.exists():
+        while (address := _address(told)) is None:
             assert time.monotonic() < deadline, "the scheduler does not start"
             assert started[0].poll() is None
             time.sleep(0.05)
-        address = str(json.loads(told.read_text())["address"])
         few = ["--nthreads", "1", "--no-nanny", "--no-dashboard", "--local-directory", str(folder)]
         started += [start("dask_worker", address, *few) for _ in range(workers)]
         yield Cluster(address, started[0], started[1:])

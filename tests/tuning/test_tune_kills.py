@@ -9,10 +9,12 @@ import pytest
 from processes import environment
 from tune_cases import repeatable
 
-# Forks a tuning again and again from a process that has everything loaded, and kills it.
+# Forks a tuning again and again from a process that has everything loaded, and kills it where it has made so many of
+# all its calls, which on every machine is in mid run.
 DRIVER = """
-import json, os, random, signal, sys, time
+import json, os, random, signal, sys
 from pathlib import Path
+from moments import after_calls, calls
 from tune_cases import small
 from asmc_pin.tuning import tune
 
@@ -21,19 +23,18 @@ folder, kills, seed = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
 def once(where):
     tune(small(), 36, where)
 
-began = time.monotonic()
 once(folder / "whole")
-wall = time.monotonic() - began
+made = calls(lambda: once(folder / "counted"))
 moments, half_done = random.Random(seed), 0
 for _ in range(kills):
+    moment = int(moments.uniform(0.05, 0.7) * made)
     child = os.fork()
     if child == 0:
         try:
+            after_calls(moment, lambda: os.kill(os.getpid(), signal.SIGKILL))
             once(folder / "killed")
         finally:
             os._exit(0)
-    time.sleep(moments.uniform(0.05, 0.7) * wall)
-    os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
     half_done += not (folder / "killed" / "provenance.json").exists()
 once(folder / "killed")

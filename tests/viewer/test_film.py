@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import signal
 from pathlib import Path
 
 import av
@@ -17,7 +18,7 @@ from asmc_pin.cli.entry import main
 from asmc_pin.errors import ParameterError
 from asmc_pin.viewer import replay_element, replay_page
 from asmc_pin.viewer.film import replay_pictures
-from asmc_pin.viewer.film.headless_browser import browser_program
+from asmc_pin.viewer.film.headless_browser import browser_program, headless_browser
 from asmc_pin.viewer.film.replay_pictures import take_film, take_still
 
 needs.program("browser")
@@ -93,3 +94,23 @@ def test_what_cannot_be_written_is_said_before_anything_is_read(
         main(["view", str(awkward_result().path), *words])
     assert ended.value.code == 2
     assert says in capsys.readouterr().err
+
+
+DEAF = """#!/bin/sh
+trap '' TERM
+for word in "$@"; do
+    case $word in --user-data-dir=*) echo 1 > "${word#*=}/DevToolsActivePort" ;; esac
+done
+while :; do sleep 1; done
+"""
+
+
+def test_a_browser_that_does_not_end_when_asked_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    program = tmp_path / "deaf"
+    program.write_text(DEAF)
+    program.chmod(0o755)
+    monkeypatch.setenv("CHROMIUM", str(program))
+    monkeypatch.setattr("asmc_pin.viewer.film.headless_browser._FAREWELL", 0.1)
+    with headless_browser() as browser:
+        assert browser.process.poll() is None
+    assert browser.process.returncode == -signal.SIGKILL

@@ -25,6 +25,8 @@ _FLAGS = (
 )
 _PATIENCE = 300.0
 """s; a software renderer on a busy machine takes its time."""
+_FAREWELL = 30.0
+"""s that a browser has to end by itself before it is ended."""
 
 
 class HeadlessPage:
@@ -136,7 +138,11 @@ def headless_browser() -> Iterator[HeadlessBrowser]:
             yield HeadlessBrowser(process, _port(process, Path(profile)))
         finally:
             process.terminate()
-            process.wait(timeout=30)
+            try:
+                process.wait(timeout=_FAREWELL)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
 
 
 @contextmanager

@@ -165,7 +165,7 @@ def test_one_bound_for_the_corners_of_an_armature_range_is_named_where_it_is_too
 def test_verify_and_design_print_the_reason_and_have_it_in_json(
     capsys: pytest.CaptureFixture[str], more: tuple[str, ...], said: str
 ) -> None:
-    for command in (["verify", "two_link", "--mbar", "0.01"], ["design", "two_link", "--budget", "5"]):
+    for command in (["verify", "two_link", "--mbar", "0.01"], ["design", "two_link", "--budget", "120"]):
         for as_json in (False, True):
             with pytest.raises(SystemExit) as end:
                 main([*command, "--certify", *more, *(["--json"] if as_json else [])])

@@ -250,7 +250,7 @@ def test_what_is_no_regular_file_is_refused_at_once(tmp_path: Path) -> None:
 
     asking = threading.Thread(target=ask, daemon=True)
     asking.start()
-    asking.join(timeout=10.0)
+    asking.join(timeout=120.0)
     assert len(said) == 4, said
     assert "no regular file" in said[0]
     assert "no regular file" in said[1]
