@@ -103,13 +103,13 @@ if TYPE_CHECKING:
     from asmc_pin.identification.mbar_along_log import MbarAlongLog as MbarAlongLog
     from asmc_pin.identification.mbar_along_log import mbar_on_log as mbar_on_log
     from asmc_pin.identification.plant_file import plant_tables as plant_tables
-    from asmc_pin.identification.suspects import Suspicion as Suspicion
+    from asmc_pin.identification.suspicion import Suspicion as Suspicion
     from asmc_pin.identification.torque_model import TorqueModel as TorqueModel
     from asmc_pin.identification.weighted_fit import Fit as Fit
     from asmc_pin.inspection import Doubt as Doubt
     from asmc_pin.inspection import Inspection as Inspection
     from asmc_pin.inspection import inspect as inspect
-    from asmc_pin.inspection.inspection_report import InspectedJoint as InspectedJoint
+    from asmc_pin.inspection.inspected_joint import InspectedJoint as InspectedJoint
     from asmc_pin.log_rerun import LawOnLog as LawOnLog
     from asmc_pin.log_rerun import law_on_log as law_on_log
     from asmc_pin.logs import JointLog as JointLog
@@ -169,8 +169,8 @@ if TYPE_CHECKING:
     from asmc_pin.statistics.task_ranks import MeanRank as MeanRank
     from asmc_pin.study import Comparison as Comparison
     from asmc_pin.study import compare as compare
-    from asmc_pin.study.comparison_notes import Lemma1Part as Lemma1Part
-    from asmc_pin.study.comparison_notes import Lemma1Range as Lemma1Range
+    from asmc_pin.study.notes.reference_norms import Lemma1Part as Lemma1Part
+    from asmc_pin.study.notes.reference_norms import Lemma1Range as Lemma1Range
     from asmc_pin.study.refinement import Refinement as Refinement
     from asmc_pin.study.run_monitors import Theorems as Theorems
     from asmc_pin.study.viewing import view as view

@@ -12,7 +12,7 @@ from asmc_pin._typing import Array, BoolArray
 from asmc_pin.arms import Arm
 from asmc_pin.identification.estimates import Estimate, correlation_time, estimates, unit_of
 from asmc_pin.identification.excitation import Confusion
-from asmc_pin.identification.suspects import Suspicion
+from asmc_pin.identification.suspicion import Suspicion
 from asmc_pin.identification.torque_model import TorqueModel
 from asmc_pin.identification.weighted_fit import Fit
 from asmc_pin.identification.words_of_fit import dotted, given_up, on_the_bound, on_the_last_joint, rms_of, without_each

@@ -18,6 +18,8 @@ from scipy.optimize import nnls
 from asmc_pin._typing import Array, IntArray
 from asmc_pin.arms import Arm
 from asmc_pin.identification.filtered_motion import FilteredMotion
+from asmc_pin.identification.suspicion import Suspicion
+from asmc_pin.identification.velocity_suspects import suspect_velocities
 from asmc_pin.logs.joint_log import JointLog
 from asmc_pin.words.text import quoted
 
@@ -27,7 +29,6 @@ _MOST_ROWS = 500
 _HEAVIEST = 10.0  # payload over the mass of the whole arm
 _LIGHTEST = 1.5  # what is taken away over the mass of the last body
 _ROUNDS = 4
-_VELOCITIES = (0.0, 0.0, ("--columns", "v=-"))  # of a suspicion: no scores, and the angles' derivative does instead
 _FACTORS = {1e-3: "N·mm", 1e3: "kN·m", 1e-2: "N·cm"}
 
 
@@ -55,23 +56,6 @@ class View:
         return np.asarray(inertial + self.arm.bias(self.q, self.v))
 
 
-@dataclass(frozen=True, eq=False)
-class Suspicion:
-    """A suspicion that was confirmed.
-
-    Attributes:
-        text: What is wrong, and what to do.
-        score: With it put right.
-        before: Without.
-        options: Words of the command line that put it right; empty where it takes other columns, or another URDF.
-    """
-
-    text: str
-    score: float
-    before: float
-    options: tuple[str, ...] = ()
-
-
 class _Change(NamedTuple):
     text: str
     view: View
@@ -96,7 +80,7 @@ def suspect(arm: Arm, motion: FilteredMotion, log: JointLog) -> list[Suspicion]:
     Returns:
         What was confirmed, the gravest first; empty where the log agrees with the URDF as far as these go.
     """
-    found = [*_of_velocities(motion, log)]
+    found = [*suspect_velocities(motion, log)]
     here = view_of(arm, motion)
     model = here.model()
     score = _score(here, model)
@@ -225,35 +209,3 @@ def _beside_friction(view: View, terms: Array, left: Array) -> Array:
         columns.append(weight * np.hstack([terms[:, j], own]))
         target.append(weight * left[:, j])
     return np.asarray(np.linalg.lstsq(np.vstack(columns), np.concatenate(target), rcond=None)[0][: terms.shape[-1]])
-
-
-def _of_velocities(motion: FilteredMotion, log: JointLog) -> Iterator[Suspicion]:
-    """Logged velocities against the derivative of the angles: sign, unit and order."""
-    if log.v is None or motion.from_velocity:
-        own = None if log.v is None else np.gradient(motion.q, motion.step, axis=0)
-    else:
-        own = motion.v
-    if log.v is None or own is None:
-        return
-    logged = np.column_stack([np.interp(motion.time, log.time, log.v[:, j]) for j in range(log.v.shape[1])])
-    for j, name in enumerate(log.joint_names):
-        power = float(own[:, j] @ own[:, j])
-        slope = float(logged[:, j] @ own[:, j]) / power if power > 0.0 else 1.0
-        if power == 0.0 or not np.std(logged[:, j]):
-            continue  # it stands still
-        with np.errstate(invalid="ignore"):
-            match = np.nan_to_num(np.abs(np.corrcoef(logged[:, j], own, rowvar=False)[0, 1:]))
-        if match[j] < 0.8 and match.max() > 0.95:
-            other = log.joint_names[int(match.argmax())]
-            yield Suspicion(
-                f"the velocity of joint {quoted(name)} is that of {quoted(other)}: their order is wrong",
-                *_VELOCITIES,
-            )
-        elif match[j] > 0.8 and slope < 0.0:
-            yield Suspicion(f"the velocity of joint {quoted(name)} has the opposite sign of its angle", *_VELOCITIES)
-        elif match[j] > 0.8 and not 0.8 < slope < 1.25:
-            unit = "; it is in degrees/s" if 50.0 < slope < 65.0 else "; angles are in degrees" if slope < 0.02 else ""
-            yield Suspicion(
-                f"the velocity of joint {quoted(name)} is {slope:.3g} times the derivative of its angle{unit}",
-                *_VELOCITIES,
-            )

@@ -16,8 +16,9 @@ from asmc_pin.arms.urdf.urdf_document import parsed_again
 from asmc_pin.errors import ArmError
 from asmc_pin.inspection.body_doubts import body_doubts
 from asmc_pin.inspection.drawn_doubts import drawn_doubts
+from asmc_pin.inspection.inspected_joint import InspectedJoint
 from asmc_pin.inspection.inspection_page import inspection_page
-from asmc_pin.inspection.inspection_report import InspectedJoint, Inspection
+from asmc_pin.inspection.inspection_report import Inspection
 from asmc_pin.inspection.subject_of_doubt import Doubt, SubjectOfDoubt, radii_of, subject_of
 from asmc_pin.inspection.unit_doubts import unit_doubts
 from asmc_pin.words.text import printable

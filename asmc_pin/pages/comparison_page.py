@@ -6,7 +6,6 @@ and curves are interactive; the PNG files of the result follow as they would sta
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Callable, Iterator
 from functools import cache
 from importlib.resources import files
@@ -16,15 +15,11 @@ from string import Template
 import numpy as np
 import pandas as pd
 
-from asmc_pin.arms import Arm
-from asmc_pin.condition.hypotheses import Premises
-from asmc_pin.condition.premises import premises_along
 from asmc_pin.disk.files import write_whole
-from asmc_pin.disk.reading import read_file, shown
-from asmc_pin.errors import ResultError
 from asmc_pin.metrics import METRICS, MOVED
-from asmc_pin.pages.comparison_figures import FIGURES
-from asmc_pin.pages.html_fragments import definition_list, definitions, details, legend, scroll, table_html
+from asmc_pin.pages.comparisons.arm_and_origin import arm_and_experiment, origin, simulated_arm
+from asmc_pin.pages.comparisons.paper_figures_section import paper_figures
+from asmc_pin.pages.html_fragments import definitions, details, legend, scroll, table_html
 from asmc_pin.pages.interactive.figure_element import figure_element, figure_scripts
 from asmc_pin.pages.plain_words.after_comparison import after_comparison
 from asmc_pin.pages.plain_words.first_screen import allowed, compared, mbar_verdicts, winners
@@ -39,20 +34,14 @@ from asmc_pin.pages.summary_tables import (
     short_names,
     tool_table,
 )
-from asmc_pin.pages.tables.findings_page import experiment_details
 from asmc_pin.pages.tables.pair_tables import PAIRS_READ, figures_read, pair_table
-from asmc_pin.pages.tables.text_table import NOTHING, UNCONVERGED, Table, number
-from asmc_pin.pages.theorem_figures import CAPTION as THEOREMS_CAPTION
-from asmc_pin.pages.theorem_figures import NAME as THEOREMS
+from asmc_pin.pages.tables.text_table import NOTHING, UNCONVERGED, Table
 from asmc_pin.pages.theorem_section import theorem_section
 from asmc_pin.results.ensemble_summary import ends, failed_words, failures
-from asmc_pin.results.kept_ticks import reference_range
 from asmc_pin.results.result_folder import Result
 from asmc_pin.viewer import controller_colors, player_scripts, replay_fragment, static
 from asmc_pin.viewer.player_page import POLICY
 from asmc_pin.words.media import for_html
-
-_MOST_FIGURES, _LARGEST_FIGURE = 50, 20_000_000
 
 
 def report_html(result: Result, path: str | Path) -> None:
@@ -82,16 +71,16 @@ def report_text(result: Result) -> str:
         figure_element(result, short_names(list(map(str, result.dataset.joint.to_numpy())))),
         *_remarks(result),
         *_tables(result),
-        *_figures(result),
+        *paper_figures(result),
         *([] if result.claims is None else theorem_section(result.claims, controller_colors(_label_list(result)))),
-        *_conditions(result),
+        *arm_and_experiment(result),
         '<h2 id="metrics">How the figures are defined</h2>',
         f'<p class="soft">Computed from {_computed_from(result)}, for each joint; e = q<sub>d</sub> − q. A law that '
         "diverged has no figures.</p>",
         scroll("Definitions of the metrics", definitions(METRICS.values())),
         '<h2 id="terms">What the terms mean</h2>',
         details("Glossary", f'<div class="body terms">{terms_html()}</div>'),
-        *_provenance(result),
+        *origin(result),
     ]
     return Template(_static("report.html")).substitute(
         policy=POLICY,
@@ -111,7 +100,7 @@ def _computed_from(result: Result) -> str:
 
 def _head(result: Result) -> Iterator[str]:
     experiment = result.experiment
-    about, _ = _about(result)
+    about, _ = simulated_arm(result)
     trials = result.summary.trial.nunique()
     yield f"<h1>{for_html(experiment.name)}</h1>"
     said = compared(_label_list(result), about, experiment.duration, experiment.period, trials)
@@ -135,7 +124,7 @@ def _head(result: Result) -> Iterator[str]:
 
 def _remarks(result: Result) -> Iterator[str]:
     """What is worth knowing and is no warning."""
-    _, arm = _about(result)
+    _, arm = simulated_arm(result)
     attributes = result.dataset.attrs
     lines = [("note", line) for line in str(attributes.get("notes", "")).splitlines()]
     yield from _notes([*lines, *(("note", f"URDF: {line}") for line in arm.warnings)])
@@ -216,82 +205,6 @@ def _pairs(summary: pd.DataFrame, html: Callable[[Table], str]) -> Iterator[str]
     if table is not None:
         text = f'<p class="soft">{for_html(PAIRS_READ)}</p>'
         yield details(table.title, f'<div class="body">{text}{html(table)}</div>')
-
-
-def _figures(result: Result) -> Iterator[str]:
-    there = {path.stem: path for path in sorted((result.path / "figures").glob("*.png"))}
-    if not there:
-        return
-    if len(there) > _MOST_FIGURES:
-        raise ResultError(result.path, f"{result.path}: has {len(there)} figures, at most {_MOST_FIGURES} expected")
-    yield '<h2 id="figures">Figures for a paper</h2>'
-    yield '<p class="soft">As they lie in <code>figures/</code>, as PDF too.</p><details><summary>Show them</summary>'
-    yield '<div class="body">'
-    captions = {name: drawing.caption for name, drawing in FIGURES.items()} | {THEOREMS: THEOREMS_CAPTION}
-    for name in [*(name for name in captions if name in there), *(name for name in there if name not in captions)]:
-        path, caption = there[name], captions.get(name, f"{name.replace('_', ' ').capitalize()}.")
-        data = base64.b64encode(_figure(result, path)).decode()
-        yield (
-            f'<figure><div class="paper"><img alt="{for_html(caption)}" src="data:image/png;base64,{data}"></div>'
-            f"<figcaption>{for_html(caption)}</figcaption></figure>"
-        )
-    yield "</div></details>"
-
-
-def _figure(result: Result, path: Path) -> bytes:
-    """A figure of the result's own: a link out of the folder would put another file into a page that is mailed."""
-    if not path.resolve().is_relative_to(result.path.resolve()):
-        raise ResultError(result.path, f"{shown(path)}: lies elsewhere; a result's figures are in its folder")
-    data = read_file(path, _LARGEST_FIGURE, "a figure", lambda message: ResultError(result.path, message))
-    if not data.startswith(b"\x89PNG\r\n"):
-        raise ResultError(result.path, f"{shown(path)}: is no PNG file; run the comparison again")
-    return data
-
-
-def _conditions(result: Result) -> Iterator[str]:
-    about, arm = _about(result)
-    yield '<h2 id="conditions">Arm and experiment</h2>'
-    yield scroll("Joints of the arm", table_html(_joint_table(arm), {}))
-    yield definition_list(about.rows())
-    yield experiment_details("The experiment as run", result.experiment.to_toml())
-
-
-def _about(result: Result) -> tuple[Premises, Arm]:
-    """The simulated arm, with the rotors of its drives, and what is supposed about it."""
-    arm = result.experiment.build_plant().arm
-    return premises_along(arm, reference_range(result.dataset)), arm
-
-
-def _joint_table(arm: Arm) -> Table:
-    rows = []
-    for i, name in enumerate(arm.joint_names):
-        turns = arm.joint_kinds[i] == "revolute"
-        factor, unit = (180.0 / np.pi, "deg") if turns else (1e3, "mm")
-        low, high = factor * arm.lower[i], factor * arm.upper[i]
-        reach = f"{number(low)} … {number(high)} {unit}" if np.isfinite(low) and np.isfinite(high) else "not declared"
-        effort = arm.effort_limit[i]
-        force = f"{number(float(effort))} {'N·m' if turns else 'N'}" if np.isfinite(effort) else "not declared"
-        rows.append([name, arm.joint_kinds[i], reach, force, f"{number(float(arm.armature[i]))}"])
-    return Table("Joints", ["joint", "kind", "range", "effort limit", "reflected inertia [kg·m² or kg]"], rows)
-
-
-def _provenance(result: Result) -> Iterator[str]:
-    arm = result.experiment.build_arm()
-    yield '<h2 id="provenance">Where this comes from</h2>'
-    yield definition_list(
-        [
-            ("URDF", arm.source.name),
-            ("SHA-256 of the URDF", str(result.provenance.get("arm", {}).get("sha256", arm.sha256))),
-            *((proviso.kind[:1].upper() + proviso.kind[1:], proviso.text) for proviso in arm.provisos),
-            ("Seed", str(result.experiment.seed)),
-            ("Trajectories", "trajectories.nc"),
-            ("Summary", "summary.parquet, summary.md, summary.tex"),
-        ]
-    )
-    yield (
-        "<footer>Made by asmc_pin. Versions of the software and times stand in provenance.json beside this page; "
-        "all else is bitwise repeatable on the same machine.</footer>"
-    )
 
 
 def _label_list(result: Result) -> list[str]:

@@ -26,8 +26,9 @@ from asmc_pin.reproduction.reproduction_page import page, summary_lines
 from asmc_pin.reproduction.tuned_rows import COMMAND, SUFFIX, tune_rows, write_tuned
 from asmc_pin.results import result_writing
 from asmc_pin.results.result_folder import load_result
-from asmc_pin.study.comparing import Progress, compare
+from asmc_pin.study.comparing import compare
 from asmc_pin.study.comparison import Comparison
+from asmc_pin.study.comparison_files import Progress
 from asmc_pin.words.shown import Shown
 
 SETS = {

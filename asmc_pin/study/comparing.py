@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import functools
-import json
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from asmc_pin._typing import Array
@@ -23,33 +19,23 @@ from asmc_pin.engine import Rollout, rollout
 from asmc_pin.errors import ExperimentError, ParameterError
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import first_trip
-from asmc_pin.pages.comparison_figures import draw_figures
-from asmc_pin.pages.latex_table import latex_table
-from asmc_pin.pages.theorem_tables import theorems_latex
 from asmc_pin.plant import Plant, moving_arms
-from asmc_pin.results import result_folder, result_writing
+from asmc_pin.results import result_writing
 from asmc_pin.results.extra_signals import add_signals
-from asmc_pin.results.kept_ticks import kept_ticks
-from asmc_pin.results.provenance import provenance
 from asmc_pin.study.comparison import Comparison, summary_rows
-from asmc_pin.study.comparison_notes import after_the_run, before_the_run, lemma1_along
+from asmc_pin.study.comparison_files import SIMULATION, Progress, write_comparison
 from asmc_pin.study.ensemble import Ensemble, add_bands, bands, check_size, first_trial, starts
 from asmc_pin.study.law_faults import told_of_its_law
+from asmc_pin.study.notes.comparison_notes import after_the_run, before_the_run
+from asmc_pin.study.notes.reference_norms import lemma1_along
 from asmc_pin.study.refinement import Refinement, refinement
 from asmc_pin.study.run_monitors import judge_theorems
-from asmc_pin.study.summary_text import summary_markdown
 from asmc_pin.study.tool_rows import add_tool_columns, add_tool_error
 from asmc_pin.tool_error import ToolError, tool_error
 from asmc_pin.tool_path import tool_path
-from asmc_pin.words.text import printable
-
-Progress = Callable[[str, float], None]
-"""Told what is being done, and which share of all is done, 0 to 1."""
 
 Each = Callable[[str, Rollout], None]
 """Shown all trials of a controller before they are let go."""
-
-_SIMULATION = 0.8  # of the time, roughly; the rest is writing and drawing
 
 
 def compare(
@@ -112,7 +98,7 @@ def compare(
     after = [line for label, item in found.items() for line in after_the_run(experiment, shown[label], item)]
     refined = None
     if refine:
-        refined = _refined(experiment, rows, shown, lambda what, done: tell(what, share + (_SIMULATION - share) * done))
+        refined = _refined(experiment, rows, shown, lambda what, done: tell(what, share + (SIMULATION - share) * done))
         after += refined.warnings()
         rows = rows.join(refined.columns(rows))
     for line in after:
@@ -142,7 +128,9 @@ def compare(
     # For who reads the result back: the report, and a person with the trajectories alone.
     comparison.dataset.attrs |= {"warnings": "\n".join(warnings), "notes": "\n".join(comparison.notes)}
     with result_writing.whole_or_not_at_all(folder, force) as made:
-        lost = _write(comparison, plant, made, started, {label: item.seconds for label, item in found.items()}, tell)
+        lost = write_comparison(
+            comparison, plant, made, started, {label: item.seconds for label, item in found.items()}, tell
+        )
     for line in lost:
         say(line)
     tell("done", 1.0)
@@ -185,7 +173,7 @@ def _refined(experiment: Experiment, rows: pd.DataFrame, shown: Mapping[str, str
     finer = experiment.with_plant(substeps=2 * substeps)
     plant, laws = finer.build_plant(), finer.build_controllers()
     again = {label: f"{name}, half the step" for label, name in shown.items()}
-    found = _ensembles(finer, plant, laws, again, lambda what, done: tell(what, done / _SIMULATION))
+    found = _ensembles(finer, plant, laws, again, lambda what, done: tell(what, done / SIMULATION))
     told = pd.concat([item.rows for item in found.values()], ignore_index=True)
     return refinement(rows, told.assign(controller=rows.controller), substeps)
 
@@ -200,8 +188,8 @@ def _check_tool(experiment: Experiment, arm: Arm) -> None:
 
 
 def _part(tell: Progress, label: str, index: int, count: int) -> Callable[[int, int], None]:
-    tell(label, _SIMULATION * index / count)
-    return lambda done, total: tell(label, _SIMULATION * (index + done / total) / count)
+    tell(label, SIMULATION * index / count)
+    return lambda done, total: tell(label, SIMULATION * (index + done / total) / count)
 
 
 def _run(
@@ -226,61 +214,3 @@ def _run(
             progress=progress,
             trials=[0] * trials,  # one plant, and one noise of its sensors
         )
-
-
-def _write(
-    comparison: Comparison, plant: Plant, folder: Path, started: datetime, seconds: dict[str, float], tell: Progress
-) -> list[str]:
-    """Every file of the result, into an empty folder; what was run first, and then what is drawn of it.
-
-    Returns:
-        What could not be drawn, in words: a run that may have taken hours is not lost over a picture.
-    """
-    from asmc_pin.pages.comparison_page import report_html
-
-    experiment, arm, rows = comparison.experiment, comparison.arm, comparison.rows
-    tell("writing", _SIMULATION)
-    (folder / result_folder.EXPERIMENT).write_text(experiment.to_toml(), encoding="utf-8")
-    # What a user ought to be told stays with the figures, so that a report made later says it too.
-    told = {"notes": "\n".join(comparison.notes), "warnings": "\n".join(comparison.warnings)}
-    kept = kept_ticks(comparison.dataset.assign_attrs(told), experiment.log_every)
-    result_writing.write_trajectories(kept, folder / result_folder.TRAJECTORIES)
-    result_writing.write_summary(rows, folder / result_folder.SUMMARY)
-    (folder / "summary.md").write_text(summary_markdown(comparison), encoding="utf-8")
-    latex = "\n".join([latex_table(rows), theorems_latex(comparison.theorems.claims, comparison.about.title)])
-    (folder / "summary.tex").write_text(latex, encoding="utf-8")
-    comparison.theorems.write(folder, experiment.log_every)
-    if arm.provisos:
-        (folder / result_folder.EXPANDED).write_text(arm.urdf_text, encoding="utf-8")
-    figures = folder / "figures"
-    tell("figures", _SIMULATION + 0.03)
-    lost = _drawn("figures", lambda: draw_figures(comparison.dataset, figures, np.asarray(plant.effort_limit)))
-    lost += _drawn("the theorems' figure", lambda: comparison.theorems.draw(figures))
-    tell("report", _SIMULATION + 0.12)
-    _write_provenance(experiment, arm, folder, started, seconds)
-    # The result is our own, and as large as the run was.
-    own = functools.partial(result_folder.load_result, folder, largest=math.inf)
-    lost += _drawn("report.html", lambda: report_html(own(), folder / "report.html"))
-    _write_provenance(experiment, arm, folder, started, seconds)
-    return lost
-
-
-def _drawn(what: str, draw: Callable[[], object]) -> list[str]:
-    try:
-        draw()
-    except OSError:
-        raise  # a full disk has no room for the result either
-    except Exception as error:
-        said = printable(" ".join(str(error).split()))
-        return [f"{what} could not be drawn ({type(error).__name__}: {said}); the result itself is whole"]
-    return []
-
-
-def _write_provenance(
-    experiment: Experiment, arm: Arm, folder: Path, started: datetime, seconds: dict[str, float]
-) -> None:
-    """Written before the report too, which is made from the result as it can be read back."""
-    path = folder / result_folder.PROVENANCE
-    path.unlink(missing_ok=True)
-    text = json.dumps(provenance(experiment, arm, started, seconds, folder), indent=2, ensure_ascii=False)
-    path.write_text(text + "\n", encoding="utf-8")

@@ -25,10 +25,11 @@ from asmc_pin.plant import moving_arms
 from asmc_pin.references import SolvedPath, reference_words
 from asmc_pin.results.ensemble_summary import failures, figures_by_trial, paired
 from asmc_pin.statistics.order_statistics import spread_of
-from asmc_pin.study.comparison_notes import Lemma1Range, lemma1_lines, log_lines, phase_lines
+from asmc_pin.study.notes.comparison_notes import log_lines, phase_lines
+from asmc_pin.study.notes.reference_norms import Lemma1Range, lemma1_lines
+from asmc_pin.study.notes.sensitivity_notes import limit_lines, sensitivity_lines
 from asmc_pin.study.refinement import Refinement
 from asmc_pin.study.run_monitors import Theorems
-from asmc_pin.study.sensitivity_notes import limit_lines, sensitivity_lines
 from asmc_pin.study.tool_rows import tool_figures
 from asmc_pin.tool_error import ToolError
 from asmc_pin.words.shown import Cells, Shown

@@ -250,7 +250,7 @@ def test_a_comparison_that_is_killed_leaves_nothing_after_the_next(tmp_path):
 def test_nothing_else_in_the_package_writes_to_a_place_of_the_users():
     # Into a folder that takes its place as a whole, the writer of its files need not be careful.
     within_a_whole_folder = {
-        "study/comparing.py",
+        "study/comparison_files.py",
         "results/result_writing.py",
         "pages/figure_style.py",
         "disk/files.py",

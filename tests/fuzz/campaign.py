@@ -46,8 +46,8 @@ class Tried:
 
 
 WRITING = (
-    ("asmc_pin.study.comparing", "draw_figures"),
-    ("asmc_pin.study.comparing", "summary_markdown"),
+    ("asmc_pin.study.comparison_files", "draw_figures"),
+    ("asmc_pin.study.comparison_files", "summary_markdown"),
     ("asmc_pin.study.run_monitors", "draw_theorems"),
     ("asmc_pin.pages.comparison_page", "report_html"),
     ("asmc_pin.results.result_folder", "load_result"),

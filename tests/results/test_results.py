@@ -64,7 +64,7 @@ def runs_of(experiment, batch=1):
 
 def plain(monkeypatch):
     """Without figures and report, which take most of the time and are not what is looked at."""
-    monkeypatch.setattr(sys.modules["asmc_pin.study.comparing"], "draw_figures", lambda *_: [])
+    monkeypatch.setattr(sys.modules["asmc_pin.study.comparison_files"], "draw_figures", lambda *_: [])
     monkeypatch.setattr("asmc_pin.pages.comparison_page.report_html", lambda *_: None)
 
 

@@ -19,7 +19,7 @@ from asmc_pin.sampled.gain_choice.gains import suggest_gains
 from asmc_pin.sampled.noise.noise_response import noise_rms
 from asmc_pin.sampled.noise.noise_warnings import noise_warnings
 from asmc_pin.sampled.noise.sensor_model import loop_sensor
-from asmc_pin.study.comparison_notes import before_the_run
+from asmc_pin.study.notes.comparison_notes import before_the_run
 
 MBAR = [0.02, 0.006]
 GAINS: dict[str, Any] = {"mbar": MBAR, "ks": 8.0, "beta": 15.0, "period": 0.001}

@@ -25,7 +25,7 @@ from asmc_pin.sampled.noise.noise_warnings import BUDGET, noise_warnings
 from asmc_pin.sampled.noise.sensor_model import LoopSensor, loop_sensor
 from asmc_pin.sampled.noise.sensor_noise import count_torque
 from asmc_pin.sampled.workspace_worst import workspace_of
-from asmc_pin.study.comparison_notes import before_the_run
+from asmc_pin.study.notes.comparison_notes import before_the_run
 from asmc_pin.study.plant_sensor import sensor_of_plant
 
 MASS = np.array([[0.7, 0.2, 0.05], [0.2, 0.3, 0.04], [0.05, 0.04, 0.09]])

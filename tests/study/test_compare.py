@@ -74,7 +74,7 @@ def done(tmp_path_factory):
 @pytest.fixture
 def unillustrated(monkeypatch):
     """Without figures and report, which take most of the time and are not what is looked at."""
-    monkeypatch.setattr(sys.modules["asmc_pin.study.comparing"], "draw_figures", lambda *_: [])
+    monkeypatch.setattr(sys.modules["asmc_pin.study.comparison_files"], "draw_figures", lambda *_: [])
     monkeypatch.setattr("asmc_pin.pages.comparison_page.report_html", lambda *_: None)
 
 
@@ -246,7 +246,9 @@ def test_what_is_no_result_is_never_replaced(tmp_path):
 
 
 @pytest.mark.parametrize("trouble", [KeyboardInterrupt, OSError("disk full")])
-@pytest.mark.parametrize("step", ["draw_figures", "_write_provenance", "_run"])
+@pytest.mark.parametrize(
+    "step", ["comparison_files.draw_figures", "comparison_files._write_provenance", "comparing._run"]
+)
 def test_whatever_breaks_off_nothing_half_written_stays_and_the_old_result_does(
     done, tmp_path, monkeypatch, unillustrated, trouble, step
 ):
@@ -260,7 +262,8 @@ def test_whatever_breaks_off_nothing_half_written_stays_and_the_old_result_does(
     def fail(*_args, **_kwargs):
         raise trouble
 
-    monkeypatch.setattr(sys.modules["asmc_pin.study.comparing"], step, fail)
+    module, name = step.split(".")
+    monkeypatch.setattr(sys.modules[f"asmc_pin.study.{module}"], name, fail)
     for out, force in ((tmp_path / "new", False), (old, True)):
         with pytest.raises((KeyboardInterrupt, OSError)):
             compare(experiment_with(), out=out, force=force)

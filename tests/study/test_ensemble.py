@@ -23,7 +23,7 @@ from asmc_pin.pages.tables.text_table import number
 from asmc_pin.results import result_folder
 from asmc_pin.study import compare
 from asmc_pin.study.ensemble import bands, check_size, first_trial, starts
-from asmc_pin.study.sensitivity_notes import sensitivity_lines
+from asmc_pin.study.notes.sensitivity_notes import sensitivity_lines
 
 LAWS = {
     "PPC": {"law": "ppc"},
@@ -54,7 +54,7 @@ def done(tmp_path_factory):
 @pytest.fixture
 def unillustrated(monkeypatch):
     """Without figures and report, which take most of the time and are not what is looked at."""
-    monkeypatch.setattr(sys.modules["asmc_pin.study.comparing"], "draw_figures", lambda *_: [])
+    monkeypatch.setattr(sys.modules["asmc_pin.study.comparison_files"], "draw_figures", lambda *_: [])
     monkeypatch.setattr("asmc_pin.pages.comparison_page.report_html", lambda *_: None)
 
 

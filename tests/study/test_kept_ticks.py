@@ -52,7 +52,7 @@ def made(tmp_path_factory):
     """The comparison with every tick kept and with one in N, without pictures, which take most of the time."""
     folder = tmp_path_factory.mktemp("kept")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sys.modules["asmc_pin.study.comparing"], "draw_figures", lambda *_: [])
+        patch.setattr(sys.modules["asmc_pin.study.comparison_files"], "draw_figures", lambda *_: [])
         patch.setattr("asmc_pin.study.run_monitors.draw_theorems", lambda *_: None)
         patch.setattr("asmc_pin.pages.comparison_page.report_html", lambda *_: None)
         return [compare(experiment_with(log_every=n), out=folder / str(n)) for n in (1, N)]
@@ -176,7 +176,7 @@ def test_it_is_nothing_that_a_sweep_may_vary():
 
 
 def test_a_replay_of_a_trial_has_every_tick(tmp_path, monkeypatch):
-    monkeypatch.setattr(sys.modules["asmc_pin.study.comparing"], "draw_figures", lambda *_: [])
+    monkeypatch.setattr(sys.modules["asmc_pin.study.comparison_files"], "draw_figures", lambda *_: [])
     monkeypatch.setattr("asmc_pin.study.run_monitors.draw_theorems", lambda *_: None)
     monkeypatch.setattr("asmc_pin.pages.comparison_page.report_html", lambda *_: None)
     swept = experiment_with(log_every=N, duration=0.04, sweep={"defaults.ks": {"values": [4.0, 8.0]}})

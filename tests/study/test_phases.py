@@ -32,7 +32,7 @@ FAR_TOO_LARGE = CASES / "experiments" / "mbar_far_too_large.toml"
 def without_pages() -> Iterator[None]:
     """Without figures and report, which take most of the time and are not what is looked at."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sys.modules["asmc_pin.study.comparing"], "draw_figures", lambda *_: [])
+        patch.setattr(sys.modules["asmc_pin.study.comparison_files"], "draw_figures", lambda *_: [])
         patch.setattr("asmc_pin.pages.comparison_page.report_html", lambda *_: None)
         yield
 

@@ -32,7 +32,7 @@ def experiment_with(**plant):
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sys.modules["asmc_pin.study.comparing"], "draw_figures", lambda *_: [])
+        patch.setattr(sys.modules["asmc_pin.study.comparison_files"], "draw_figures", lambda *_: [])
         patch.setattr("asmc_pin.pages.comparison_page.report_html", lambda *_: None)
         return compare(experiment_with(), out=tmp_path_factory.mktemp("trips") / "out")
 

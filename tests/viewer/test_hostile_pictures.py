@@ -151,9 +151,9 @@ def test_a_fault_in_a_picture_leaves_the_run_and_a_warning(step: str, tmp_path: 
 
     home = {"draw_theorems": "asmc_pin.study.run_monitors", "report_html": "asmc_pin.pages.comparison_page"}
     import asmc_pin.pages.comparison_page
-    import asmc_pin.study.comparing  # noqa: F401
+    import asmc_pin.study.comparison_files  # noqa: F401
 
-    monkeypatch.setattr(sys.modules[home.get(step, "asmc_pin.study.comparing")], step, fail)
+    monkeypatch.setattr(sys.modules[home.get(step, "asmc_pin.study.comparison_files")], step, fail)
     (tmp_path / "e.toml").write_text(SHORT.replace("duration = 0.2", "duration = 0.02"))
     said = asked("compare", tmp_path / "e.toml", "--out", tmp_path / "out")
     assert said.status == 0, said

@@ -15,6 +15,7 @@ from asmc_pin.controllers.one_trial.compiled_tde import surface
 from asmc_pin.numerics.array_table import floats1, floats2, floats3, floats4, whole1, whole2
 from asmc_pin.numerics.short_loops import inlined, short_loops, with_room
 from asmc_pin.plant.compiled_run.one_period import advance, hold, observe, within
+from asmc_pin.plant.compiled_run.run_arrays import Histories
 from asmc_pin.plant.compiled_run.run_rows import (
     BEGAN_Q,
     BEGAN_V,
@@ -25,7 +26,6 @@ from asmc_pin.plant.compiled_run.run_rows import (
     Setup,
     V,
 )
-from asmc_pin.plant.compiled_run.run_ticks import Histories
 from asmc_pin.plant.joint_reach import reached
 
 # Rows of the table: what belongs to the run and its trials, with shapes as in `Inputs` and `Trials`, but a command and

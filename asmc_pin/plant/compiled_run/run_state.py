@@ -13,38 +13,17 @@ from asmc_pin.controllers.protocol import Sample, Setpoint
 from asmc_pin.numerics.array_table import ArrayTable
 from asmc_pin.plant.compiled_run.held_dynamics import held_bodies
 from asmc_pin.plant.compiled_run.one_tick import LOADS, NOISE, OWN_LOADS, run_commands
+from asmc_pin.plant.compiled_run.run_arrays import Histories, Inputs, Trials
 from asmc_pin.plant.compiled_run.run_rows import (
-    BACKWARD,
-    BREAK_BACKWARD,
-    BREAK_FORWARD,
-    BRISTLE,
-    BRISTLE_DAMPING,
-    CORNER,
-    COUNT,
-    FORWARD,
-    LIMIT,
-    MEAN_REMAINING,
-    NO_LOAD,
-    PLANT_ROWS,
-    REMAINING,
-    SCALE,
-    SCHEMES,
     SCRATCH_ROWS,
-    SPEED_LIMIT,
     SQUARES,
     STATE_ROWS,
-    STOP_DAMPING,
-    STOP_LOWER,
-    STOP_STIFFNESS,
-    STOP_UPPER,
     TORQUE,
-    VISCOUS,
     Q,
-    Setup,
     V,
 )
-from asmc_pin.plant.compiled_run.run_ticks import Histories, Inputs, Trials, run_law
-from asmc_pin.plant.drive.drive_parameters import FOLDBACK
+from asmc_pin.plant.compiled_run.run_setup import plant_rows, setup_of
+from asmc_pin.plant.compiled_run.run_ticks import run_law
 from asmc_pin.plant.joint_reach import no_reach
 from asmc_pin.plant.plant_state import Motion
 from asmc_pin.plant.run_recorder import first_logged
@@ -57,16 +36,6 @@ TRIALS_PER_THREAD = 8
 _NO_ROWS: Array = np.zeros((0, 1))
 _NO_TRIALS: Array = np.zeros((0, 1, 1))
 _NO_NOISE: Array = np.zeros((0, 1, 3, 1))
-
-_FRICTION = {
-    FORWARD: "coulomb",
-    VISCOUS: "viscous",
-    BACKWARD: "coulomb_backward",
-    BREAK_FORWARD: "breakaway",
-    BREAK_BACKWARD: "breakaway_backward",
-    SCALE: "stribeck_velocity",
-    BRISTLE_DAMPING: "presliding_damping",
-}
 
 
 class CompiledRun:
@@ -95,13 +64,13 @@ class CompiledRun:
         batch, nv = motion.q.shape
         self._ticks = len(wanted.q)
         self._histories = Histories(*(histories.get(name, _NO_TRIALS) for name in Histories._fields))
-        self._setup = _setup_of(motion, log_every)
+        self._setup = setup_of(motion, log_every)
         sensing, actuator = motion.sensing, motion.actuator
         state = np.zeros((batch, STATE_ROWS, nv))
         state[:, Q], state[:, V], state[:, TORQUE] = motion.q, motion.v, motion.torque
         on_their_way = 0 if motion.plant.drive is None else 2 + int(motion.plant.drive.delay)
         self._trials = Trials(
-            _plant_rows(motion),
+            plant_rows(motion),
             state,
             np.repeat(motion.torque[:, None], 1 + on_their_way, axis=1),
             np.zeros((batch, HISTORY, nv)) if sensing is None else sensing.memory,
@@ -274,48 +243,3 @@ def _log_of(histories: Histories, ticks: int, batch: int, nv: int) -> tuple[IntA
     """Where each history stands in the log of `run_commands`, −1 for one that is not written; and that log."""
     written = np.array([history.size > 0 for history in histories])
     return np.where(written, np.cumsum(written) - 1, -1), np.empty((max(ticks, 1), batch, int(written.sum()), nv))
-
-
-def _setup_of(motion: Motion, log_every: int) -> Setup:
-    plant, sensing = motion.plant, motion.sensing
-    return Setup(
-        period=motion.period,
-        step=motion.period / plant.substeps,
-        substeps=plant.substeps,
-        scheme=SCHEMES[plant.integrator],
-        friction=not motion.friction.none,
-        constant=plant.friction.constant,
-        yields=plant.friction.yields,
-        stops=motion.stops is not None,
-        shaped=motion.actuator is not None,
-        foldback=FOLDBACK,
-        senses=sensing is not None,
-        exact_velocity=sensing is not None and sensing.exact_velocity,
-        keep=1.0 if sensing is None else sensing.keep,
-        delay_fraction=0.0 if sensing is None else sensing.fraction,
-        speed_bound=plant.speed_bound,
-        error_bound=plant.error_bound,
-        log_every=log_every,
-    )
-
-
-def _plant_rows(motion: Motion) -> Array:
-    batch, nv = motion.q.shape
-    rows = np.zeros((batch, PLANT_ROWS, nv))
-    rows[:, LIMIT] = motion.limit
-    friction = motion.plant.friction
-    for row, name in _FRICTION.items():
-        rows[:, row] = friction.spread(name, batch, nv)
-    if friction.yields:
-        rows[:, BRISTLE] = motion.friction.stiffness
-    if motion.stops is not None:
-        stops = motion.stops
-        rows[:, STOP_LOWER], rows[:, STOP_UPPER] = stops.lower, stops.upper
-        rows[:, STOP_STIFFNESS], rows[:, STOP_DAMPING] = stops.stiffness, stops.damping
-    if motion.actuator is not None:
-        actuator = motion.actuator
-        rows[:, REMAINING], rows[:, MEAN_REMAINING] = actuator.remaining, actuator.mean_remaining
-        rows[:, CORNER], rows[:, NO_LOAD], rows[:, SPEED_LIMIT] = actuator.bounds
-    if motion.sensing is not None:
-        rows[:, COUNT] = motion.sensing.count
-    return rows

@@ -11,7 +11,7 @@ stays: nothing creeps (single Maxwell-slip element, or the elasto-plastic model 
 there).
 
 These are the optimality conditions of a strictly convex, continuously differentiable, piecewise quadratic problem. The
-solver walks from piece to piece as `friction_kernels` does: towards the minimiser of the present piece, and no further
+solver walks from piece to piece as `compiled_friction` does: towards the minimiser of the present piece, and no further
 than where the first joint leaves it.
 """
 
