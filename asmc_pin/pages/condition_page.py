@@ -89,7 +89,7 @@ def _html(report: ConditionReport | DesignReport, arm: Arm, plates: list[Plate])
     body += [f"<dt>{for_html(term)}</dt><dd>{for_html(value)}</dd>" for term, value in facts(report, arm)]
     body.append("</dl>")
     if check is not None:
-        head, rows = joint_table(check, arm)
+        head, rows = joint_table(check)
         title = "Joints and the worst configuration"
         body += [f"<h2>{title}</h2>", scroll(title, table_html(Table("", head, rows), {}))]
         body.append(f"<h3>{for_html(check.subject.name)} in its worst configuration</h3>")
@@ -132,7 +132,7 @@ def _markdown(report: ConditionReport | DesignReport, arm: Arm, plates: list[Pla
         *(f"- **{term}**: {for_markdown(value)}" for term, value in facts(report, arm)),
     ]
     if check is not None:
-        head, rows = joint_table(check, arm)
+        head, rows = joint_table(check)
         lines += ["", "## Joints and the worst configuration", "", markdown_table(Table("", head, rows))]
     for plate in plates:
         lines += plate.markdown(f"{stem}_")

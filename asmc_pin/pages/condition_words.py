@@ -102,7 +102,7 @@ def facts(report: ConditionReport | DesignReport, arm: Arm) -> list[tuple[str, s
     return found
 
 
-def joint_table(check: ConditionReport, arm: Arm) -> tuple[list[str], list[list[str]]]:
+def joint_table(check: ConditionReport) -> tuple[list[str], list[list[str]]]:
     """Header and rows: range, m̄, armature and the worst configuration of every joint; m̄ with all its digits."""
     kinds = dict(zip(check.subject.joint_names, check.subject.joint_kinds, strict=True))
     slides = [kinds[joint] == "prismatic" for joint in check.joints]

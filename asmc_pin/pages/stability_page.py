@@ -57,7 +57,7 @@ def write_stability_page(
         drift = np.abs(arms.stiffness(spaces[-1].points)).sum(axis=-1).max(axis=0)
         drift[drift < _ROUNDING * drift.max()] = 0.0
     curves = loop_curves(spaces, report.loop, drift, sensor, [report.worst_q, report.rest_q])
-    plates = [_plate(report, curves, curve, heavy) for curve in curves.curves]
+    plates = [_plate(report, curves, curve) for curve in curves.curves]
     title = f"{report.about.title}: how slow may the loop run?"
     table = _ranges(curves)
     if html:
@@ -112,7 +112,7 @@ def _ranges(curves: LoopCurves) -> Table:
     return Table("", ["what varies", "this loop", "looked at", "stable"], rows)
 
 
-def _plate(report: StabilityReport, curves: LoopCurves, curve: LoopCurve, heavy: bool) -> Plate:
+def _plate(report: StabilityReport, curves: LoopCurves, curve: LoopCurve) -> Plate:
     label, factor = _AXES[curve.name]
     noisy = curve.torque_rms is not None
     with paper_style():

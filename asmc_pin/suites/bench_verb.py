@@ -15,7 +15,6 @@ from asmc_pin.errors import ParameterError, ResultError
 from asmc_pin.pages.benches.bench_figures import bench_plates
 from asmc_pin.pages.benches.bench_findings import BenchFindings
 from asmc_pin.pages.benches.bench_page import page_of_bench
-from asmc_pin.pages.figure_style import paper_style, save
 from asmc_pin.pages.sweeps.sweep_tables import unit_on
 from asmc_pin.results.provenance import PACKAGES, package_version
 from asmc_pin.suites.bench_result import Benchmark, bench_json
@@ -142,15 +141,7 @@ def _write(
 ) -> None:
     """Every file but the cells, each whole."""
     write_whole(folder / "bench.json", json.dumps(bench_json(findings, cells), indent=2, ensure_ascii=False) + "\n")
-    plates = list(bench_plates(findings))
-    figures = folder / "figures"
-    figures.mkdir(exist_ok=True)
-    with paper_style():
-        for plate in plates:
-            save(plate.figure, figures / plate.name)
-    page = page_of_bench(findings, plates)
-    write_whole(folder / "summary.md", page.markdown("figures/"))
-    write_whole(folder / "report.html", page.html())
+    page_of_bench(findings, list(bench_plates(findings))).write_into(folder)
     told = {
         "suite": {"name": findings.suite, "sha256": findings.sha256, "part": findings.scope},
         "started": started.isoformat(timespec="seconds"),

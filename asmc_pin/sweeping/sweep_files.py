@@ -7,7 +7,6 @@ from datetime import datetime
 from pathlib import Path
 
 from asmc_pin.disk.files import write_whole
-from asmc_pin.pages.figure_style import paper_style, save
 from asmc_pin.pages.sweeps.sweep_figures import sweep_plates
 from asmc_pin.pages.sweeps.sweep_findings import SweepFindings
 from asmc_pin.pages.sweeps.sweep_page import page_of_sweep
@@ -19,7 +18,7 @@ from asmc_pin.sweeping.row_files import write_rows
 from asmc_pin.sweeping.sweep_plan import SweepPlan
 from asmc_pin.sweeping.trial_scores import TrialScores
 
-COMPARISONS, REPORT = "comparisons.parquet", "report.html"
+COMPARISONS = "comparisons.parquet"
 
 
 def write_findings(plan: SweepPlan, folder: Path, started: datetime, seconds: float) -> SweepFindings:
@@ -52,15 +51,7 @@ def write_findings(plan: SweepPlan, folder: Path, started: datetime, seconds: fl
         comparisons=compared(plan, scores),
     )
     write_whole(folder / COMPARISONS, as_parquet(comparisons_table(findings.comparisons)))
-    plates = list(sweep_plates(findings))
-    figures = folder / "figures"
-    figures.mkdir(exist_ok=True)
-    with paper_style():
-        for plate in plates:
-            save(plate.figure, figures / plate.name)
-    page = page_of_sweep(findings, plates)
-    write_whole(folder / "summary.md", page.markdown("figures/"))
-    write_whole(folder / REPORT, page.html())
+    page_of_sweep(findings, list(sweep_plates(findings))).write_into(folder)
     told = provenance(plan.experiment, plan.experiment.build_arm(), started, {"sweep": seconds}, folder)
     told["sweep"] = {"key": plan.key, "trials": plan.trials, "draws": plan.draws}
     told["files"].pop(result_folder.PROVENANCE, None)

@@ -15,7 +15,6 @@ from asmc_pin.disk.files import write_whole
 from asmc_pin.experiment import Experiment
 from asmc_pin.experiment.finding import TUNED
 from asmc_pin.metrics import METRICS
-from asmc_pin.pages.figure_style import paper_style, save
 from asmc_pin.pages.tunings.tune_figures import tune_plates
 from asmc_pin.pages.tunings.tune_findings import TuneFindings
 from asmc_pin.pages.tunings.tune_page import page_of_tuning
@@ -27,7 +26,7 @@ from asmc_pin.tuning.controller_tuning import ControllerTuning, HeldOut
 from asmc_pin.tuning.tune_result import findings_json
 
 STUDIES, CANDIDATES, HELD_OUT = "studies", "candidates.parquet", "held_out.parquet"
-JSON, REPORT, SUMMARY = "tune.json", "report.html", "summary.md"
+JSON = "tune.json"
 
 Judged = Mapping[str, tuple[ControllerTuning, HeldOut]]
 """By label: a controller's tuning, and its outcomes on the held-out draws."""
@@ -59,15 +58,7 @@ def write_tuning(
     write_whole(folder / CANDIDATES, as_parquet(_candidates(judged)))
     write_whole(folder / HELD_OUT, as_parquet(_held_out(judged)))
     write_whole(folder / JSON, json.dumps(findings_json(findings), indent=2, ensure_ascii=False) + "\n")
-    plates = list(tune_plates(findings))
-    figures = folder / "figures"
-    figures.mkdir(exist_ok=True)
-    with paper_style():
-        for plate in plates:
-            save(plate.figure, figures / plate.name)
-    page = page_of_tuning(findings, plates)
-    write_whole(folder / SUMMARY, page.markdown("figures/"))
-    write_whole(folder / REPORT, page.html())
+    page_of_tuning(findings, list(tune_plates(findings))).write_into(folder)
     experiment = findings.experiment
     told = provenance(experiment, experiment.build_arm(), started, {"tune": seconds}, folder)
     told["tune"] = {"key": key, "budget": findings.budget}

@@ -133,14 +133,14 @@ class Expressions:
         if base.kind not in ("law", "memory", "work"):
             raise self.refuse(node, f"{_shown(node.value)} is a {base.kind}, which has no entries")
         if not isinstance(node.slice, ast.Tuple):
-            row = self.step.row(self.source, node, base, self._row_number(node.slice))
+            row = self.step.row(base, self._row_number(node.slice))
             return Term(row, "row", writes=base.writes)
         if len(node.slice.elts) != 2:
             raise self.refuse(node, "a table has a row and a joint")
         number, column = self._row_number(node.slice.elts[0]), self._column(node.slice.elts[1])
         if base.kind == "law" and number[0] == self.step.period_row:
             return Term(f"{base.code}->dt", "real")
-        return Term(f"{self.step.row(self.source, node, base, number)}[{column}]", "real", writes=base.writes)
+        return Term(f"{self.step.row(base, number)}[{column}]", "real", writes=base.writes)
 
     def _row_number(self, node: ast.expr) -> tuple[int, str]:
         """A row by its number, which has to be known before the step runs, and what it is called."""

@@ -51,7 +51,7 @@ class StepTranslation:
         self.helpers.add(name)
         return f"{self.prefix}_{name}"
 
-    def row(self, source: PythonFunction, node: ast.AST, table: Term, row: tuple[int, str]) -> str:
+    def row(self, table: Term, row: tuple[int, str]) -> str:
         """A row of a table in C."""
         number, called = row
         names = self.rows[table.kind]

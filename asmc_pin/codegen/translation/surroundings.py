@@ -41,7 +41,7 @@ class Surroundings(Protocol):
         """The C name of a helper, which is needed from now on."""
         ...
 
-    def row(self, source: PythonFunction, node: ast.AST, table: Term, row: tuple[int, str]) -> str:
+    def row(self, table: Term, row: tuple[int, str]) -> str:
         """A row of a table in C."""
         ...
 

@@ -40,7 +40,7 @@ class Worst:
         self.evaluations = 0
         for index, case in enumerate(cases):
             for kind in (SCALE[condition], NORM[condition]):
-                self._take(kind, index, maximise(kind, case.domain, mbar, samples=samples, starts=starts, seed=seed))
+                self._take(index, maximise(kind, case.domain, mbar, samples=samples, starts=starts, seed=seed))
 
     def climb(self, case: int, q: Array, armature: Array) -> None:
         """Search on from a configuration at which a proof did not get on."""
@@ -48,9 +48,9 @@ class Worst:
         q = domain.box.wrap(q)
         for kind in (SCALE[self._condition], NORM[self._condition]):
             also = q[None, :], np.clip(armature, domain.armature_lower, domain.armature_upper)[None, :]
-            self._take(kind, case, maximise(kind, domain, self._mbar, samples=256, starts=4, also=also))
+            self._take(case, maximise(kind, domain, self._mbar, samples=256, starts=4, also=also))
 
-    def _take(self, kind: int, case: int, found: Found) -> None:
+    def _take(self, case: int, found: Found) -> None:
         self.evaluations += found.configurations
         domain = self._cases[case].domain
         scale_kind, norm_kind = SCALE[self._condition], NORM[self._condition]

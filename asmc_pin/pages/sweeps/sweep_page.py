@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from asmc_pin.experiment.toml_text import toml_value
 from asmc_pin.pages.plates import Plate
 from asmc_pin.pages.sweeps.sweep_findings import SweepFindings
 from asmc_pin.pages.sweeps.sweep_tables import (
@@ -18,7 +17,7 @@ from asmc_pin.pages.sweeps.sweep_tables import (
     shown_points,
     verdict_lines,
 )
-from asmc_pin.pages.tables.findings_page import FindingsPage, Section, experiment_details
+from asmc_pin.pages.tables.findings_page import FindingsPage, Section, experiment_details, experiment_lines
 from asmc_pin.viewer.colours import controller_colors
 
 
@@ -30,13 +29,7 @@ def sweep_title(findings: SweepFindings) -> str:
 
 
 def _facts(findings: SweepFindings) -> Iterator[str]:
-    experiment = findings.experiment
-    yield (
-        f"{experiment.duration:g} s on {experiment.arm.source}, control period {1e3 * experiment.period:g} ms, "
-        f"seed {experiment.seed}"
-    )
-    for axis, given in experiment.sweep.items():
-        yield f"varies: {toml_value(axis)} = {toml_value(given)}"
+    yield from experiment_lines(findings.experiment)
     yield from verdict_lines(findings)
     yield from failure_lines(findings)
 

@@ -5,15 +5,21 @@ Nothing in it depends on when or where it was made.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from asmc_pin.disk.files import write_whole
+from asmc_pin.experiment import Experiment
+from asmc_pin.experiment.toml_text import toml_value
+from asmc_pin.pages.figure_style import paper_style, save
 from asmc_pin.pages.html_fragments import details, scroll, table_html
 from asmc_pin.pages.plates import Plate, framed, is_html, write_beside
 from asmc_pin.pages.tables.text_table import Table, markdown_table
 from asmc_pin.words.media import for_html, for_markdown
+
+SUMMARY, REPORT = "summary.md", "report.html"
+"""The files of a page in the folder of what it is about."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +88,20 @@ class FindingsPage:
         body += ["<h2>Figures</h2>", *(plate.html() for plate in self.plates)]
         return framed(self.title, [*body, self.appendix] if self.appendix else body, player=False)
 
+    def write_into(self, folder: Path) -> None:
+        """Write it into the folder of what it is about: its figures as PDF and PNG, `SUMMARY` and `REPORT`.
+
+        Raises:
+            ResultError: a file cannot be written.
+        """
+        figures = folder / "figures"
+        figures.mkdir(exist_ok=True)
+        with paper_style():
+            for plate in self.plates:
+                save(plate.figure, figures / plate.name)
+        write_whole(folder / SUMMARY, self.markdown("figures/"))
+        write_whole(folder / REPORT, self.html())
+
     def write(self, path: str | Path) -> None:
         """Write it elsewhere than into the folder of what it is about.
 
@@ -102,6 +122,16 @@ class FindingsPage:
 
 def _name(table: Table) -> str:
     return table.title or "one point"
+
+
+def experiment_lines(experiment: Experiment) -> Iterator[str]:
+    """What was run, and what varied from trial to trial."""
+    yield (
+        f"{experiment.duration:g} s on {experiment.arm.source}, control period {1e3 * experiment.period:g} ms, "
+        f"seed {experiment.seed}"
+    )
+    for axis, given in experiment.sweep.items():
+        yield f"varies: {toml_value(axis)} = {toml_value(given)}"
 
 
 def experiment_details(summary: str, toml: str) -> str:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from asmc_pin.experiment.toml_text import toml_value
 from asmc_pin.pages.plates import Plate
-from asmc_pin.pages.tables.findings_page import FindingsPage, Section, experiment_details
+from asmc_pin.pages.tables.findings_page import FindingsPage, Section, experiment_details, experiment_lines
 from asmc_pin.pages.tunings.tune_findings import TuneFindings
 from asmc_pin.pages.tunings.tune_tables import (
     HOW_COMPARED,
@@ -26,13 +25,7 @@ def tune_title(findings: TuneFindings) -> str:
 
 
 def _facts(findings: TuneFindings) -> Iterator[str]:
-    experiment = findings.experiment
-    yield (
-        f"{experiment.duration:g} s on {experiment.arm.source}, control period {1e3 * experiment.period:g} ms, "
-        f"seed {experiment.seed}"
-    )
-    for axis, given in experiment.sweep.items():
-        yield f"varies: {toml_value(axis)} = {toml_value(given)}"
+    yield from experiment_lines(findings.experiment)
     yield from result_lines(findings)
 
 

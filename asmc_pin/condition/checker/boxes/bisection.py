@@ -9,6 +9,8 @@ import numpy as np
 
 from asmc_pin._typing import Array, IntArray
 
+Bytes = np.ndarray[tuple[int, ...], np.dtype[np.uint8]]
+
 _LEAF = 255
 _DEEPEST = 60
 _PIECE = 4096
@@ -33,14 +35,12 @@ class Cells:
         return centre, widened
 
 
-def leaves(record: np.ndarray[tuple[int, ...], np.dtype[np.uint8]]) -> int:
+def leaves(record: Bytes) -> int:
     """How many leaves a record has, whole or not."""
     return int(np.count_nonzero(record == _LEAF))
 
 
-def by_branch(
-    record: np.ndarray[tuple[int, ...], np.dtype[np.uint8]], parent: IntArray
-) -> Iterator[tuple[IntArray, np.ndarray[tuple[int, ...], np.dtype[np.uint8]]]]:
+def by_branch(record: Bytes, parent: IntArray) -> Iterator[tuple[IntArray, Bytes]]:
     """Cut a record into those of the branches that hang on the base, each a bisection of its own joints' box.
 
     A record that has the leaves of a single bisection is one of all joints together, as they were written before
@@ -65,23 +65,33 @@ def by_branch(
     at = 0
     for first in sorted(set(root)):
         joints = np.flatnonzero(np.array(root) == first)
-        local = {int(joint): number for number, joint in enumerate(joints)} | {_LEAF: _LEAF}
-        found, still_open = bytearray(), 1
-        while still_open:
-            if at == record.size:
-                raise Broken(f"the record ends with {still_open} boxes open")
-            byte = int(record[at])
-            if byte not in local:
-                raise Broken(f"byte {at} of the record halves a joint that is not of its branch")
-            found.append(local[byte])
-            still_open += -1 if byte == _LEAF else 1
-            at += 1
-        yield joints, np.frombuffer(bytes(found), dtype=np.uint8)
+        found, at = one_bisection(record, at, joints)
+        yield joints, found
     if at != record.size:
         raise Broken(f"the record goes on after its last box, at byte {at}")
 
 
-def cells(record: np.ndarray[tuple[int, ...], np.dtype[np.uint8]], joints: int) -> Iterator[Cells]:
+def one_bisection(record: Bytes, at: int, names: IntArray) -> tuple[Bytes, int]:
+    """One complete bisection out of a record, its joints numbered from 0; and where the next begins.
+
+    Raises:
+        Broken: It ends too soon, or halves what it is not about.
+    """
+    local = {int(name): number for number, name in enumerate(names)} | {_LEAF: _LEAF}
+    found, still_open = bytearray(), 1
+    while still_open:
+        if at == record.size:
+            raise Broken(f"the record ends with {still_open} boxes open")
+        byte = int(record[at])
+        if byte not in local:
+            raise Broken(f"byte {at} of the record halves a joint that is not of its branch")
+        found.append(local[byte])
+        still_open += -1 if byte == _LEAF else 1
+        at += 1
+    return np.frombuffer(bytes(found), dtype=np.uint8), at
+
+
+def cells(record: Bytes, joints: int) -> Iterator[Cells]:
     """Decode a record: preorder, a byte per node, the joint that is halved (lower half first) or 255 for a leaf.
 
     Args:

@@ -10,21 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from flint import arb, ctx
 
 from asmc_pin._typing import Array, IntArray
-from asmc_pin.condition.checker.boxes.bisection import Broken, by_branch, cells
+from asmc_pin.condition.checker.boxes.bisection import Broken, Bytes, by_branch, cells, one_bisection
 from asmc_pin.condition.checker.boxes.quadratic_form import Borne, Form, form_of, form_with
 from asmc_pin.condition.checker.reading.coupled_joints import Following
 from asmc_pin.condition.checker.reading.header_parts import Header, Malformed, WrittenCase, WrittenStatement
 from asmc_pin.condition.checker.reading.link_chain import Chain
 
-Bytes = np.ndarray[Any, np.dtype[np.uint8]]
-
-_LEAF = 255
 _ROUNDING = 1e-14
 """Share of its ends by which the image of a box is wider, for the products and sums that it is made of."""
 
@@ -102,10 +98,10 @@ def _of_followers(
     at, used = 0, 0
     for coordinates in coupled_branches(chain):
         joints = np.flatnonzero(np.isin(chain.coordinate, coordinates))
-        pieces, at = _bisection(record, at, coordinates)
+        pieces, at = one_bisection(record, at, coordinates)
         for part in cells(pieces, coordinates.size):
             for centre, half in zip(*part.boxes(lower[coordinates], upper[coordinates]), strict=True):
-                own, at = _bisection(record, at, joints)
+                own, at = one_bisection(record, at, joints)
                 if used == len(statement.weights):
                     raise Malformed("a statement has fewer rows of weights than pieces of its box")
                 weights = _checked(told, statement, chain, follow, joints, statement.weights[used])
@@ -188,23 +184,3 @@ def _checked(
             if not enough:
                 raise Malformed(f"the joints that follow '{told.joints[c]}' do not bear its m̄")
     return np.array(row)
-
-
-def _bisection(record: Bytes, at: int, names: IntArray) -> tuple[Bytes, int]:
-    """One complete bisection out of a record, its joints numbered from 0; and where the next begins.
-
-    Raises:
-        Broken: It ends too soon, or halves what it is not about.
-    """
-    local = {int(name): number for number, name in enumerate(names)} | {_LEAF: _LEAF}
-    found, still_open = bytearray(), 1
-    while still_open:
-        if at == record.size:
-            raise Broken(f"the record ends with {still_open} boxes open")
-        byte = int(record[at])
-        if byte not in local:
-            raise Broken(f"byte {at} of the record halves a joint that is not of its branch")
-        found.append(local[byte])
-        still_open += -1 if byte == _LEAF else 1
-        at += 1
-    return np.frombuffer(bytes(found), dtype=np.uint8), at
