@@ -34,7 +34,7 @@ from asmc_pin.pages.comparison_figures import FIGURES
 from asmc_pin.parameters import REQUIRED, Parameter, parameters_of
 from asmc_pin.plant import ORDERS
 from asmc_pin.references import REFERENCES
-from asmc_pin.reproduction.reproduction_page import medians, plain_pair
+from asmc_pin.reproduction.joint_figures import medians, plain_pair
 from asmc_pin.sampled.stable_ratios import stable_words
 from asmc_pin.words.media import for_cell
 

@@ -7,8 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from asmc_pin.pages.tables.text_table import number
-from asmc_pin.reproduction.printed_tables import BSMC, EXISTING, NORM, PPC, PROPOSED, Printed
-from asmc_pin.reproduction.tuned_rows import SUFFIX
+from asmc_pin.reproduction.printed_tables import BSMC, EXISTING, NORM, PPC, PROPOSED, TUNED_SUFFIX, Printed
 
 HOLDS, PART, BROKEN, NOT_APPLICABLE = "holds", "in part", "does not hold", "not applicable"
 
@@ -44,11 +43,11 @@ def _first(measured: Figures, printed: Printed) -> tuple[str, str]:
 def _ordering(measured: Figures, wanted: Callable[[Sequence[str], str], tuple[str, int]]) -> tuple[str, str]:
     """Whether a law has its place among the others: all untuned, the baselines tuned, and all tuned."""
     baselines = [label for label in (BSMC, EXISTING) if label in measured]
-    tuned = [label + SUFFIX for label in baselines if label + SUFFIX in measured]
+    tuned = [label + TUNED_SUFFIX for label in baselines if label + TUNED_SUFFIX in measured]
     rounds = {
         "all untuned": [*baselines, PROPOSED],
         "baselines tuned, proposed with the gains of the file": [*tuned, PROPOSED],
-        "all tuned": [*tuned, PROPOSED + SUFFIX],
+        "all tuned": [*tuned, PROPOSED + TUNED_SUFFIX],
     }
     good: list[bool | None] = []
     told = []
@@ -90,7 +89,7 @@ def _over_ppc(measured: Figures, printed: Printed) -> tuple[str, str]:
 
 def _over_existing(measured: Figures, printed: Printed) -> tuple[str, str]:
     """By what factor it falls from the existing law to the proposed one."""
-    return _improvement(measured, printed, (EXISTING, EXISTING + SUFFIX))
+    return _improvement(measured, printed, (EXISTING, EXISTING + TUNED_SUFFIX))
 
 
 def _improvement(measured: Figures, printed: Printed, others: Sequence[str]) -> tuple[str, str]:
@@ -98,7 +97,7 @@ def _improvement(measured: Figures, printed: Printed, others: Sequence[str]) -> 
     for other in others:
         if other not in measured:
             continue
-        paper = _ratios(printed.rms_deg[other.removesuffix(SUFFIX)], printed.rms_deg[PROPOSED])
+        paper = _ratios(printed.rms_deg[other.removesuffix(TUNED_SUFFIX)], printed.rms_deg[PROPOSED])
         found = _ratios(measured[other]["rms_deg"], measured[PROPOSED]["rms_deg"])
         good += [0.5 <= x / y <= 2.0 for x, y in zip(found, paper, strict=True)]
         told.append(f"{other} / proposed: {_pair(paper)} in the paper, {_pair(found)} here")
@@ -123,7 +122,7 @@ def _chatter(measured: Figures, printed: Printed) -> tuple[str, str]:
     """The proposed law's torque goes up and down less than the existing law's."""
     own = measured[PROPOSED]["torque_variation"]
     good, told = [], [f"torque variation: proposed {_pair(own)} N·m/s"]
-    for other in (EXISTING, EXISTING + SUFFIX):
+    for other in (EXISTING, EXISTING + TUNED_SUFFIX):
         if other in measured:
             theirs = measured[other]["torque_variation"]
             good += [all(_finite(a) < _finite(b) for a, b in zip(own, theirs, strict=True))]
@@ -135,7 +134,7 @@ def _adaptation(measured: Figures, printed: Printed) -> tuple[str, str]:
     """The proposed gains rise and fall faster than the existing law's."""
     own = measured[PROPOSED]["gain_times"]
     good, told = [], [f"proposed: {_times(own)}"]
-    for other in (EXISTING, EXISTING + SUFFIX):
+    for other in (EXISTING, EXISTING + TUNED_SUFFIX):
         if other in measured:
             theirs = measured[other]["gain_times"]
             good += [_finite(a) < _finite(b) for a, b in zip(own, theirs, strict=True)]

@@ -16,11 +16,11 @@ from matplotlib.ticker import MaxNLocator
 from asmc_pin._typing import Array
 from asmc_pin.pages.curves import running_max, thinned
 from asmc_pin.pages.figure_style import COLUMN, GREY, PAGE, line_look, paper_style, save, shade, shade_sizes
+from asmc_pin.reproduction.printed_tables import TUNED_SUFFIX
 from asmc_pin.viewer.colours import controller_colors
 from asmc_pin.words.media import for_figure
 
 SCHEMES = ("PPC", "BSMC", "Existing", "Proposed")
-_TUNED = " tuned"
 _TIME = "Time [s]"
 _RANGE = "range of the paper's figure"
 Pair = Sequence[tuple[Mapping[str, Any], xr.Dataset]]
@@ -58,9 +58,9 @@ def shown_labels(dataset: xr.Dataset) -> dict[str, str]:
     labels = [str(label) for label in dataset.controller.to_numpy()]
     found = {}
     for scheme in SCHEMES:
-        free = scheme in ("BSMC", "Existing") and scheme + _TUNED in labels
+        free = scheme in ("BSMC", "Existing") and scheme + TUNED_SUFFIX in labels
         if scheme in labels:
-            found[scheme] = scheme + _TUNED if free else scheme
+            found[scheme] = scheme + TUNED_SUFFIX if free else scheme
     return found
 
 

@@ -14,6 +14,9 @@ from asmc_pin.words.nearest_name import nearest
 
 PPC, BSMC, EXISTING, PROPOSED = "PPC", "BSMC", "Existing", "Proposed"
 
+TUNED_SUFFIX = " tuned"
+"""At the end of the label of a scheme whose gains were tuned here; the paper has none."""
+
 
 @dataclass(frozen=True)
 class Printed:

@@ -19,11 +19,11 @@ from asmc_pin.reproduction.error_bounds import limits
 from asmc_pin.reproduction.measured_figures import certainly_above, measure, rms_by_trial, theorems
 from asmc_pin.reproduction.paper_claims import judged_claims
 from asmc_pin.reproduction.paper_figures import draw_reproduction
-from asmc_pin.reproduction.printed_tables import PAPER, PROPOSED, RECONCILED, known
+from asmc_pin.reproduction.printed_tables import PAPER, PROPOSED, RECONCILED, TUNED_SUFFIX, known
 from asmc_pin.reproduction.reading_search import factor, nearest_readings, outcomes, reconciled
 from asmc_pin.reproduction.readings import AXES, DEG, ERRORS, ReadingOutcome, readings
 from asmc_pin.reproduction.reproduction_page import page, summary_lines
-from asmc_pin.reproduction.tuned_rows import COMMAND, SUFFIX, tune_rows, write_tuned
+from asmc_pin.reproduction.tuned_rows import COMMAND, tune_rows, write_tuned
 from asmc_pin.results import result_writing
 from asmc_pin.results.result_folder import load_result
 from asmc_pin.study.comparing import compare
@@ -191,7 +191,7 @@ def _experiment(name: str, comparison: Comparison, told: dict[str, dict[str, Any
         "tuned": {
             label: {key: value for key, value in own[label].items() if key != "law"}
             for label in own
-            if label.endswith(SUFFIX)
+            if label.endswith(TUNED_SUFFIX)
         },
         "existing_epsilon": {label: own[label]["epsilon"] for label in own if own[label]["law"] == "plestan2010"},
         "theorems": theorems(comparison.experiment, PROPOSED),

@@ -7,11 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from asmc_pin.pages.tables.text_table import Table, markdown_table, number
+from asmc_pin.reproduction.joint_figures import medians, pair, text_table
+from asmc_pin.reproduction.printed_tables import TUNED_SUFFIX
 from asmc_pin.reproduction.readings_page import cannot_hold, search_section, words
+from asmc_pin.reproduction.tuned_gains_section import tuned_gains
 from asmc_pin.words.line_width import wrap_prose
-from asmc_pin.words.media import for_cell
 
-_TUNED = " tuned"
 _STATEMENTS = {
     "ordering of the controllers: PPC last": "PPC has the largest RMS error of all controllers, at both joints.",
     "ordering of the controllers: proposed first": "The proposed law has the smallest, at both joints.",
@@ -65,7 +66,7 @@ def page(data: Mapping[str, Any], figures: str) -> str:
     parts += ["## Claim by claim", "", *_claims(data)]
     parts += ["## The theorems along these runs", "", *_theorems(data)]
     parts += ["## Figures", "", *_figures(data, figures)]
-    parts += ["## Tuned gains", "", *_gains(data)]
+    parts += ["## Tuned gains", "", *tuned_gains(data)]
     parts += ["## What this cannot tell", "", _LIMITATIONS]
     return wrap_prose("\n".join(parts).rstrip("\n") + "\n")
 
@@ -126,7 +127,7 @@ def _verdicts(data: Mapping[str, Any]) -> str:
     items = list(data["experiments"].values())
     header = ["claim", *(f"Table {item['table']}, {item['set']}" for item in items)]
     rows = [[claim, *(item["claims"][claim]["verdict"] for item in items)] for claim in _STATEMENTS]
-    return _text_table(Table("", header, rows))
+    return text_table(Table("", header, rows))
 
 
 def _tables(data: Mapping[str, Any]) -> Iterator[str]:
@@ -142,11 +143,11 @@ def _tables(data: Mapping[str, Any]) -> Iterator[str]:
         header += ["chatter [N·m/s]", "largest k̂ [rad/s²]"]
         rows = []
         for label, run in item["controllers"].items():
-            told = item["paper"]["rms_deg"].get(label.removesuffix(_TUNED))
+            told = item["paper"]["rms_deg"].get(label.removesuffix(TUNED_SUFFIX))
             rows.append(
                 [
                     label,
-                    "–" if told is None else _pair(told, factor),
+                    "–" if told is None else pair(told, factor),
                     medians(run, "rms_deg", factor),
                     "–" if told is None else _over(run, told),
                     medians(run, "max_error_deg", factor),
@@ -171,7 +172,7 @@ def _ranges(item: Mapping[str, Any]) -> str:
     factor = math.pi / 180.0 if paper["unit"] == "rad" else 1.0
     figures = item["figures"]
     parts = [
-        f"Fig. {figures['error']}: |e| to {_pair(paper['max_error_deg'], factor)} {paper['unit']}, "
+        f"Fig. {figures['error']}: |e| to {pair(paper['max_error_deg'], factor)} {paper['unit']}, "
         f"here {medians(run, 'max_error_deg', factor)}"
     ]
     if "torque" in figures:
@@ -182,7 +183,7 @@ def _ranges(item: Mapping[str, Any]) -> str:
         degrees = "deg" if scale["s"] > 1.0 else "rad"
         parts.append(
             f"Fig. {figures['gains']}: k̂ to {number(paper['gain']['Proposed'])}, here "
-            f"{medians(run, 'peak_gain', scale['gain'])} {degrees}/s²; |s| to {_pair(paper['s'])}, "
+            f"{medians(run, 'peak_gain', scale['gain'])} {degrees}/s²; |s| to {pair(paper['s'])}, "
             f"here {medians(run, 'max_s', scale['s'])} {degrees}/s"
         )
     return "Ranges of the figures, proposed law with the gains of the file: " + "; ".join(parts) + "."
@@ -202,7 +203,7 @@ def _claims(data: Mapping[str, Any]) -> Iterator[str]:
             ]
             for item in data["experiments"].values()
         ]
-        yield _text_table(Table("", ["experiment", "verdict", "measured"], rows))
+        yield text_table(Table("", ["experiment", "verdict", "measured"], rows))
         yield ""
 
 
@@ -214,7 +215,7 @@ def _theorems(data: Mapping[str, Any]) -> Iterator[str]:
         for item in data["experiments"].values()
         for found in item["theorems"].values()
     ]
-    yield _text_table(Table("", ["experiment", "claim", "verdict", "why"], rows))
+    yield text_table(Table("", ["experiment", "claim", "verdict", "why"], rows))
     yield ""
 
 
@@ -230,79 +231,3 @@ def _figures(data: Mapping[str, Any], folder: str) -> Iterator[str]:
         yield ""
         yield f"*{caption}*"
         yield ""
-
-
-def _gains(data: Mapping[str, Any]) -> Iterator[str]:
-    yield (
-        f"Found by `{data['command']}`: one Optuna study (TPE) for each law, with the same number of trials and the "
-        "same seed. The objective is the "
-        "geometric mean over the joints of the RMS error; a torque variation above that of the proposed law with the "
-        "gains of the file counts by the square "
-        "of the excess. The files say the objective with its numbers, its value before and after, and the ranges."
-    )
-    yield ""
-    rows = [
-        [f"Table {item['table']}, {item['set']}", label.removesuffix(_TUNED), _gains_text(values)]
-        for item in data["experiments"].values()
-        for label, values in item["tuned"].items()
-    ]
-    yield _text_table(Table("", ["experiment", "law", "tuned to"], rows))
-    yield ""
-    yield _epsilons(data)
-    yield ""
-
-
-def _epsilons(data: Mapping[str, Any]) -> str:
-    """Which ε the existing law was run with: its authors tune it by the gain, Baek 2016 does not say."""
-    used = [
-        (label, value) for item in data["experiments"].values() for label, value in item["existing_epsilon"].items()
-    ]
-    by_gain = [label for label, value in used if value == "4KL"]
-    constant = sorted({float(value) for _, value in used if value != "4KL"})
-    parts = [f'ε of the existing law: its authors advise 4 k̂ L (`epsilon = "4KL"`), which {len(by_gain)} rows use']
-    if constant:
-        parts.append(
-            f"{len(used) - len(by_gain)} rows use a constant, {number(constant[0])} to {number(constant[-1])} rad/s, "
-            "as written in their files"
-        )
-    return "; ".join(parts) + "."
-
-
-def _gains_text(values: Mapping[str, Any]) -> str:
-    return ", ".join(f"{name} = {value}" for name, value in values.items())
-
-
-def _text_table(table: Table) -> str:
-    rows = [[for_cell(cell) for cell in row] for row in (table.header, *table.rows)]
-    lines = [rows[0], ["---"] * len(table.header), *rows[1:]]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
-
-
-def _pair(values: Sequence[float | None], factor: float = 1.0) -> str:
-    return " / ".join(_number(None if x is None else factor * x) for x in values)
-
-
-def plain_pair(values: Sequence[float] | None) -> str:
-    """What the paper prints of both joints; a dash where it prints nothing."""
-    return "–" if values is None else _pair(values)
-
-
-def medians(run: Mapping[str, Any], name: str, factor: float | Sequence[float] = 1.0) -> str:
-    """Medians of the joints, each with its 5 % and 95 % where they are printed differently; ∞ where failures reach.
-
-    Args:
-        run: What `measure` gave.
-        name: Of the figure.
-        factor: What it is multiplied by, a number or one for each joint.
-    """
-    cells = []
-    factors = [factor] * len(run[name]) if isinstance(factor, float) else factor
-    for middle, low, high, scale in zip(run[name], run[f"{name}_low"], run[f"{name}_high"], factors, strict=True):
-        text, below = (_number(None if x is None else scale * x) for x in (middle, low))
-        above = "∞" if high is None else number(scale * high)
-        cells.append(text if middle is None or text == below == above else f"{text} [{below} … {above}]")
-    return " / ".join(cells)
-
-
-def _number(value: float | None) -> str:
-    return number(math.nan if value is None else value)

@@ -15,12 +15,11 @@ from asmc_pin.engine import rollout
 from asmc_pin.experiment import Experiment
 from asmc_pin.experiment.toml_text import write_toml
 from asmc_pin.metrics import METRICS
-from asmc_pin.reproduction.printed_tables import PROPOSED
+from asmc_pin.reproduction.printed_tables import PROPOSED, TUNED_SUFFIX
 from asmc_pin.study.law_study import own_parameters
 from asmc_pin.study.tuning import Progress, Tuning, tune_own_gains
 from asmc_pin.study.tuning_objective import Objective
 
-SUFFIX = " tuned"
 COMMAND = "asmc-pin reproduce --tune"
 _BEGIN, _END = "# begin tuned", "# end tuned"
 _BLOCK = re.compile(rf"\n*^{_BEGIN}.*?^{_END}\n?", re.MULTILINE | re.DOTALL)
@@ -28,7 +27,7 @@ _BLOCK = re.compile(rf"\n*^{_BEGIN}.*?^{_END}\n?", re.MULTILINE | re.DOTALL)
 
 def untuned(experiment: Experiment) -> dict[str, dict[str, object]]:
     """The controllers' tables without the tuned rows."""
-    return {label: table for label, table in experiment.controllers.items() if not label.endswith(SUFFIX)}
+    return {label: table for label, table in experiment.controllers.items() if not label.endswith(TUNED_SUFFIX)}
 
 
 def tune_rows(experiment: Experiment, progress: Progress | None = None) -> Tuning:
@@ -72,6 +71,6 @@ def block(tuning: Tuning) -> str:
     rows = []
     for label, law in tuning.laws.items():
         rows.append(f"# Objective of {label}: {law.untuned:.4g} untuned, {law.value:.4g} tuned.")
-        rows.append(write_toml({"controllers": {label + SUFFIX: tables[label]}}).strip("\n"))
+        rows.append(write_toml({"controllers": {label + TUNED_SUFFIX: tables[label]}}).strip("\n"))
         rows.append("")
     return "\n".join([*head, "", *rows[:-1], _END, ""])

@@ -233,12 +233,16 @@ def test_meshes_of_a_named_arm_can_be_found() -> None:
     assert arm.files.mesh(f"package://{mesh}").is_file()
 
 
-def test_code_in_the_docs_runs() -> None:
+def test_code_in_the_docs_runs_and_does_what_it_says() -> None:
     page = (DOCS / "arms.md").read_text(encoding="utf-8")
     names = {"asmc_pin": asmc_pin.arms, "load_arm": load_arm, "q": np.zeros((4, 6))}
     for block in re.findall(r"```python\n(.*?)```", page, re.DOTALL):
         exec(block, names)
-    assert names["M"].shape == (4, 6, 6)
+    bare = load_arm("panda", payload=2.0, lock={"panda_joint3": 0.0})
+    added = np.broadcast_to(np.diag([0.3, 0.3, 0.3, 0.1, 0.1, 0.1]), (4, 6, 6))
+    np.testing.assert_allclose(names["M"] - bare.mass_matrix(names["q"]), added, atol=1e-12)
+    upright = bare.gravity(names["q"])
+    np.testing.assert_allclose(names["arm"].gravity(names["q"]), -9.81 / np.linalg.norm(bare.gravity_vector) * upright)
 
 
 def test_name_of_an_arm_wins_over_a_file_and_a_path_does_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,14 +17,15 @@ from asmc_pin.disk.resources import shipped
 from asmc_pin.errors import ExperimentError, ResultError
 from asmc_pin.metrics import METRICS, evaluate
 from asmc_pin.reproduction.error_bounds import break_away, limits, needed_gain
+from asmc_pin.reproduction.joint_figures import medians
 from asmc_pin.reproduction.measured_figures import certainly_above, measure
 from asmc_pin.reproduction.paper_claims import CLAIMS, judged_claims
-from asmc_pin.reproduction.printed_tables import NAMES, PAPER
+from asmc_pin.reproduction.printed_tables import NAMES, PAPER, TUNED_SUFFIX
 from asmc_pin.reproduction.reading_search import factor, nearest_readings, reconciled
 from asmc_pin.reproduction.readings import AXES, ReadingOutcome, as_read, readings
 from asmc_pin.reproduction.reproducing import READINGS, SETS, reading_of, reproduce
-from asmc_pin.reproduction.reproduction_page import medians, page
-from asmc_pin.reproduction.tuned_rows import SUFFIX, untuned
+from asmc_pin.reproduction.reproduction_page import page
+from asmc_pin.reproduction.tuned_rows import untuned
 from asmc_pin.results.result_writing import trajectories
 from asmc_pin.study.ensemble import starts
 from asmc_pin.study.tuning import tune_own_gains
@@ -105,8 +106,8 @@ def test_the_tuned_rows_of_the_files_are_those_of_the_page(data):
 
 def test_both_untuned_and_tuned_rows_are_shown_for_every_law_with_gains(data):
     for item in data["experiments"].values():
-        plain = [label for label in item["controllers"] if not label.endswith(SUFFIX)]
-        assert set(item["controllers"]) == {*plain, *(label + SUFFIX for label in plain if label != "PPC")}
+        plain = [label for label in item["controllers"] if not label.endswith(TUNED_SUFFIX)]
+        assert set(item["controllers"]) == {*plain, *(label + TUNED_SUFFIX for label in plain if label != "PPC")}
 
 
 def test_a_tuned_row_is_better_than_its_untuned_one_by_the_stated_objective(data):
@@ -121,7 +122,7 @@ def test_a_tuned_row_is_better_than_its_untuned_one_by_the_stated_objective(data
             return math.sqrt(math.prod(run["rms_deg"])) * max(1.0, excess) ** 2
 
         for label in item["tuned"]:
-            assert objective(label) < objective(label.removesuffix(SUFFIX))
+            assert objective(label) < objective(label.removesuffix(TUNED_SUFFIX))
 
 
 def test_a_place_in_the_ordering_counts_only_where_the_paired_ratios_are_certain_of_it():
@@ -382,7 +383,7 @@ def test_tuning_anew_writes_into_the_users_folder_and_runs_what_lies_there(tmp_p
         reproduce([name], tmp_path / "out", tune=True)
     path = tmp_path / "out" / "tuned" / f"{name}.toml"
     assert ran[0].to_toml() == load_experiment(path).to_toml()
-    assert [label for label in ran[0].controllers if label.endswith(SUFFIX)] == ["Existing" + SUFFIX]
+    assert [label for label in ran[0].controllers if label.endswith(TUNED_SUFFIX)] == ["Existing" + TUNED_SUFFIX]
     assert "# 2 trials for each law" in path.read_text(encoding="utf-8")
     assert {path: path.read_bytes() for path in files} == before
 
