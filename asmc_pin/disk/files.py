@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import BinaryIO
 
 from asmc_pin.disk.file_access import cannot_write
+from asmc_pin.disk.sole_writer import NO_ROOM
 from asmc_pin.disk.unfinished import IN_WORK, beside, discard, locked, remove_leftovers, take_lock
-
-_NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
 def write_whole(path: str | Path, content: str | bytes) -> None:
@@ -121,7 +120,7 @@ def whole_folder(path: Path, check: Callable[[], None] = lambda: None) -> Iterat
             check()  # another run may have been quicker
             _put_in_place(made, path)
         except OSError as error:
-            if error.errno not in _NO_ROOM:
+            if error.errno not in NO_ROOM:
                 raise
             raise cannot_write(path, error) from error
         finally:

@@ -101,9 +101,8 @@ def _computed_from(result: Result) -> str:
 def _head(result: Result) -> Iterator[str]:
     experiment = result.experiment
     about, _ = simulated_arm(result)
-    trials = result.summary.trial.nunique()
     yield f"<h1>{for_html(experiment.name)}</h1>"
-    said = compared(_label_list(result), about, experiment.duration, experiment.period, trials)
+    said = compared(_label_list(result), about, experiment.duration, experiment.period, result.summary)
     yield f'<p class="lead">{for_html(said)}</p>'
     yield '<dl class="findings">'
     for heading, sentence in winners(result.summary):

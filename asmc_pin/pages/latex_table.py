@@ -9,6 +9,7 @@ import pandas as pd
 
 from asmc_pin.metrics import METRICS, MOVED
 from asmc_pin.pages.summary_tables import metric_table
+from asmc_pin.results.ensemble_summary import alike
 from asmc_pin.words.media import for_latex
 
 
@@ -29,7 +30,7 @@ def latex_table(summary: pd.DataFrame, metrics: Sequence[str] | None = None) -> 
     environment, size = _room(summary, joints, names)
     spread = (
         rf" Medians of {summary.trial.nunique()} trials with 5\,\% below and 95\,\% above; bold: best with certainty."
-        if summary.trial.nunique() > 1
+        if not alike(summary)
         else ""
     )
     refined = r" $\pm$: what half the integration step changes." if f"{MOVED}rms_error" in summary else ""

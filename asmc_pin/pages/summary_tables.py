@@ -11,7 +11,7 @@ import pandas as pd
 from asmc_pin._typing import Array
 from asmc_pin.metrics import METRICS, MOVED, Best, Metric
 from asmc_pin.pages.tables.text_table import NOTHING, Table, Told, markdown_table, table_of, told
-from asmc_pin.results.ensemble_summary import ends, failed_words, failures, figures_by_trial, labels_of
+from asmc_pin.results.ensemble_summary import alike, ends, failed_words, failures, figures_by_trial, labels_of
 from asmc_pin.statistics.order_statistics import spread_of
 from asmc_pin.words.media import for_markdown
 
@@ -84,7 +84,7 @@ def _metric_columns(summary: pd.DataFrame, name: str) -> tuple[list[Told], list[
 
 def _with_marks(summary: pd.DataFrame, table: Table) -> Table:
     """Of a single run the smallest figure is marked as it is: there is nothing to be more certain by."""
-    return table._replace(certain=None) if summary.trial.nunique() == 1 else table
+    return table._replace(certain=None) if alike(summary) else table
 
 
 def moves(summary: pd.DataFrame, name: str) -> Array:

@@ -61,15 +61,32 @@ def _cube(summary: pd.DataFrame, name: str) -> Array:
     return np.asarray(summary[name].to_numpy().reshape(shape))
 
 
+def alike(summary: pd.DataFrame) -> bool:
+    """Whether all trials of each controller are the same to the last bit: as many runs as one, and no sample.
+
+    So it is where starts do not deviate and nothing of the plant is random.
+
+    Args:
+        summary: Rows of a comparison.
+    """
+    if failures(summary).all():  # there is no figure to tell trials apart by
+        return bool(summary.trial.nunique() == 1)
+    for name in summary.columns.intersection(["status", "end_time", *METRICS]):
+        values = pd.DataFrame(_cube(summary, name).swapaxes(0, 1).reshape(summary.trial.nunique(), -1))
+        if not values.equals(pd.DataFrame(np.broadcast_to(values.to_numpy()[:1], values.shape))):
+            return False
+    return True
+
+
 def paired(summary: pd.DataFrame) -> list[PairedComparison]:
-    """Every pair of controllers by the metrics that a person reads first; nothing of a single trial.
+    """Every pair of controllers by the metrics that a person reads first; nothing of trials all alike.
 
     By the `joint_mean`.
 
     Args:
         summary: Rows of a comparison.
     """
-    if summary.trial.nunique() < 2:
+    if alike(summary):
         return []
     labels, family = labels_of(summary), {}
     for name, metric in METRICS.items():

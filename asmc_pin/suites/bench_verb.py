@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from asmc_pin.disk.files import write_whole
+from asmc_pin.disk.sole_writer import sole_writer
 from asmc_pin.errors import ParameterError, ResultError
 from asmc_pin.pages.benches.bench_figures import bench_plates
 from asmc_pin.pages.benches.bench_findings import BenchFindings
@@ -73,6 +74,12 @@ def bench(
         for law in chosen.laws:
             cell_experiment(chosen, arm, next(iter(chosen.tasks)), law).build_controllers()
     _prepare(folder)
+    with sole_writer(folder):
+        return _run(chosen, folder, workers, tell)
+
+
+def _run(chosen: Suite, folder: Path, workers: int | None, tell: Progress) -> Benchmark:
+    """Run the cells that are not there yet, and write what all come to."""
     started, began = datetime.now(UTC), time.monotonic()
     keys = {cell: cell_key(chosen, cell) for cell in chosen.cells}
     stored = {cell: stored_cell(folder, cell, key) for cell, key in keys.items()}

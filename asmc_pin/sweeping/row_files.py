@@ -62,7 +62,7 @@ def read_shards(plan: SweepPlan, folder: Path) -> Iterator[pa.Table]:
     """The rows of each block, in order.
 
     Raises:
-        ResultError: a shard is damaged.
+        ResultError: a shard is damaged, or by now that of another sweep.
     """
     for block in plan.blocks:
         path = shard_path(folder, block)
@@ -73,6 +73,12 @@ def read_shards(plan: SweepPlan, folder: Path) -> Iterator[pa.Table]:
             raise ResultError(
                 path, f"{path} is damaged ({error}), and was removed; start again, and it is computed anew"
             ) from None
+        if (table.schema.metadata or {}).get(KEY) != plan.key.encode():
+            raise ResultError(
+                path,
+                f"{path} has rows of another sweep, which was run in the same folder at the same time; give each a "
+                "folder of its own with --out, and start again",
+            )
         yield table
 
 

@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from asmc_pin.disk.files import write_whole
+from asmc_pin.disk.sole_writer import sole_writer
 from asmc_pin.errors import ParameterError, ResultError
 from asmc_pin.experiment import Experiment
 from asmc_pin.results import result_folder
@@ -67,7 +68,14 @@ def sweep(
     tell("loading", 0.0)
     plan = sweep_plan(experiment, trials, block, sweep_key(experiment))
     _check_folder(plan, folder, force)
-    write_whole(folder / result_folder.EXPERIMENT, experiment.to_toml())
+    with sole_writer(folder):
+        _check_folder(plan, folder, force)  # another run may have been quicker
+        return _run(plan, folder, workers, dask, tell)
+
+
+def _run(plan: SweepPlan, folder: Path, workers: int | None, dask: str | None, tell: Progress) -> Sweep:
+    """Run what is not there yet, and write what it comes to."""
+    write_whole(folder / result_folder.EXPERIMENT, plan.experiment.to_toml())
     todo = missing_blocks(plan, folder)
     left = sum(map(len, todo))
     started, began, done = datetime.now(UTC), time.monotonic(), 0

@@ -69,6 +69,10 @@ class ControllerTuning:
         self.train = range(tune.train)
         self.held_out = range(tune.train, tune.train + tune.held_out)
 
+    def check(self, storage: Path, key: str) -> None:
+        """Refuse a journal of another tuning; see `GainStudy.check`."""
+        GainStudy(self.space, self.experiment.seed, storage, key).check()
+
     def search(self, trials: int, storage: Path | None, key: str, tell: Tell = lambda _done: None) -> Candidate:
         """Try candidates up to the budget, and say which of them won.
 

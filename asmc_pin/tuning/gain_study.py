@@ -59,6 +59,15 @@ class GainStudy:
     def __init__(self, space: SearchSpace, seed: int, storage: Path | None, key: str) -> None:
         self._space, self._seed, self._storage, self._key = space, seed, storage, key
 
+    def check(self) -> None:
+        """See whether the journal may be used, before anything is written.
+
+        Raises:
+            ResultError: it is of another tuning.
+        """
+        with quiet_optuna():
+            self._stored()
+
     def run(self, trials: int, evaluate: Evaluate, progress: Callable[[int], None]) -> list[Candidate]:
         """Try settings until there are `trials` of them; one if there is nothing to search.
 
@@ -120,6 +129,8 @@ class GainStudy:
         try:
             study = self._journal(self._storage, new=False)
             known, trials = study.user_attrs.get("key"), study.get_trials(deepcopy=False)
+        except OSError:  # of the world, not of what stands in it: nothing is thrown away for that
+            raise
         except Exception:  # written to half when it was killed, or damaged: begun anew
             self._storage.unlink(missing_ok=True)
             return []

@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from asmc_pin.disk.files import write_whole
+from asmc_pin.disk.sole_writer import sole_writer
 from asmc_pin.errors import ParameterError, ResultError
 from asmc_pin.experiment import Experiment
 from asmc_pin.pages.tunings.tune_findings import TuneFindings
@@ -44,8 +45,9 @@ def tune(
     """Search gains for every controller of an experiment, all with the same budget, and judge the best held out.
 
     ``[tune]`` says what is made small, within which limits, over which gains and on how many draws of ``[sweep]``
-    (docs/tuning.md). The first candidate of each controller is the file's own, so that on the training draws no result
-    is worse. A tuning that was killed goes on from the batches that it had stored and ends with the same result.
+    (docs/tuning.md). The first candidate of each controller is the file's own: where that keeps the limits and lies in
+    the ranges, no result is worse on the training draws. A tuning that was killed goes on from the batches that it had
+    stored and ends with the same result.
 
     Args:
         experiment: See `asmc_pin.load_experiment`.
@@ -67,12 +69,33 @@ def tune(
     folder = Path(out) if out is not None else Path("results") / f"{experiment.name}-tune"
     tell = progress or (lambda _what, _share: None)
     tell("loading", 0.0)
-    started, began = datetime.now(UTC), time.monotonic()
     points, judge = draws_of(experiment).grid_points, Judge(experiment)
     experiment.build_controllers()  # what does not fit the arm is said before anything is searched
     tunings = {label: ControllerTuning(experiment, label) for label in experiment.controllers}
     key = sweep_key(experiment)
-    _prepare(folder, force)
+    _prepare(folder)
+    with sole_writer(folder):
+        if force:
+            shutil.rmtree(folder / STUDIES, ignore_errors=True)
+            (folder / STUDIES).mkdir(exist_ok=True)
+        return _run(experiment, trials, folder, tunings, judge, points, key, tell)
+
+
+def _run(
+    experiment: Experiment,
+    trials: int,
+    folder: Path,
+    tunings: dict[str, ControllerTuning],
+    judge: Judge,
+    points: int,
+    key: str,
+    tell: Progress,
+) -> Tuned:
+    """Search what is not searched yet, and write what it comes to."""
+    started, began = datetime.now(UTC), time.monotonic()
+    journals = {label: folder / STUDIES / f"{_file_name(label)}.log" for label in tunings}
+    for label, tuning in tunings.items():  # what lies there stays as it is, its experiment too, where it is another's
+        tuning.check(journals[label], key)
     write_whole(folder / result_folder.EXPERIMENT, experiment.to_toml())
     judged: dict[str, tuple[ControllerTuning, HeldOut]] = {}
     found = []
@@ -81,7 +104,7 @@ def tune(
         def part(done: int, label: str = label, i: int = i) -> None:
             tell(f"{label}: {done} of {trials} candidates", _SEARCH * (i + done / trials) / len(tunings))
 
-        winner = tuning.search(trials, folder / STUDIES / f"{_file_name(label)}.log", key, part)
+        winner = tuning.search(trials, journals[label], key, part)
         judged[label] = tuning, tuning.judged(winner)
         found.append(tuning.found(winner, judged[label][1], tuning.sensitivity(winner)))
     figures = {item.shown: tunings[item.label].by_draw(item.held_out) for item in found}
@@ -107,7 +130,7 @@ def _file_name(label: str) -> str:
     return f"{plain}-{hashlib.sha256(label.encode()).hexdigest()[:8]}"
 
 
-def _prepare(folder: Path, force: bool) -> None:
+def _prepare(folder: Path) -> None:
     """Make the folder; refuse one whose files are no tuning's."""
     if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
         raise ResultError(folder, f"{folder} is not a folder; give another one with --out")
@@ -117,8 +140,6 @@ def _prepare(folder: Path, force: bool) -> None:
             raise ResultError(
                 folder, f"{folder} holds files that are no tuning, and is left alone; give another folder with --out"
             )
-        if force:
-            shutil.rmtree(folder / STUDIES, ignore_errors=True)
         (folder / STUDIES).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ResultError(folder, f"{folder} cannot be written: {error.strerror or error}") from error

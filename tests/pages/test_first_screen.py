@@ -9,6 +9,8 @@ import pytest
 from asmc_pin.metrics import METRICS
 from asmc_pin.pages.plain_words.first_screen import allowed, mbar_verdicts, winners
 from asmc_pin.pages.plain_words.terms import ANCHORS, term_link, terms_html
+from asmc_pin.pages.tables.pair_tables import figures_read, pair_table
+from asmc_pin.results.ensemble_summary import paired
 
 
 def summary(figures: dict[str, np.ndarray], status: str = "ok") -> pd.DataFrame:
@@ -69,6 +71,8 @@ def claims(**status: str) -> pd.DataFrame:
         (claims(A="held", B="held"), "Yes, for A and B", "not asked here"),
         (claims(A="broken", B="held"), "No, for A:", "As far as the run shows, for B"),
         (claims(A="broken"), "No, for A:", "promises nothing"),
+        (claims(A="not tested after"), "Not known to its end, for A", "up to where a trial diverged"),
+        (claims(A="held", B="not tested after"), "As far as the run shows, for A", "Not known to its end, for B"),
         (claims(A="not applicable"), "Not known", "no law here has an M̄"),
         (None, "Not known", ""),
     ],
@@ -77,6 +81,33 @@ def test_an_mbar_is_called_allowed_along_the_motion_alone(rows, begins: str, nam
     said = allowed(mbar_verdicts(rows))
     assert said.startswith(begins)
     assert names in said
+
+
+def test_one_trial_that_diverged_takes_back_what_the_others_kept() -> None:
+    rows = pd.concat([claims(A="held"), claims(A="not tested after"), claims(A="held")])
+    assert "at every tick of this motion" not in allowed(mbar_verdicts(rows))
+
+
+def test_of_controllers_that_all_diverged_none_is_ahead() -> None:
+    figures = summary({"A": 1.0 + NOISE, "B": 2.0 + NOISE})
+    figures["status"] = "diverged"
+    figures[list(METRICS)] = np.nan
+    assert dict(winners(figures))["Follows the motion best"].startswith("No one: all diverged")
+
+
+def test_trials_that_are_all_alike_are_one_run_and_make_nothing_certain() -> None:
+    """Sixteen copies of a run, as without deviation of the starts, have an interval of no width."""
+    figures = summary({"A": np.ones((16, 2)), "B": 2.0 * np.ones((16, 2))})
+    said = dict(winners(figures))["Follows the motion best"]
+    assert said.startswith("A: its RMS tracking error")
+    assert "Certain" not in said
+    assert said.endswith("Trials all alike: how sure that is, is not known.")
+    assert paired(figures) == []
+    assert pair_table(figures) is None
+    assert "how sure a figure is, is not known" in figures_read(figures)
+    differs = figures.copy()
+    differs.loc[3, "energy"] += 1e-12
+    assert len(paired(differs)) == 3
 
 
 def test_every_term_that_is_linked_has_its_meaning_in_the_glossary() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -66,3 +67,19 @@ def test_draws_that_failed_are_counted_and_reach_the_figures_that_they_are_part_
     (row,) = comparison_table(found, None).rows
     assert row[:2] == ["A", "B"]
     assert float(row[4]) == pytest.approx(found.comparisons[0].paired.p, rel=0.01)
+
+
+def test_a_mean_over_a_grid_says_that_it_is_one_and_at_how_many_points_the_order_is_another():
+    """At the first point nobody is better, at the second A is: the mean over both alone says A."""
+    two = {"A": np.stack([BASE, 0.1 * BASE], axis=1), "B": np.stack([BASE, BASE], axis=1)}
+    over = {label: np.exp(np.log(x).mean(axis=1)) for label, x in two.items()}
+    pairs = [Compared(None, item) for item in pairwise({"rms_error": over})]
+    for point in range(2):
+        here = {label: x[:, point] for label, x in two.items()}
+        pairs += [Compared(point, item) for item in pairwise({"rms_error": here})]
+    found = dataclasses.replace(findings(**over), points=["gain = 0", "gain = 5"], comparisons=pairs)
+    (line,) = verdict_lines(found)
+    assert line.startswith("RMS tracking error: A is better than all others in the mean over 2 points; next is B")
+    assert line.endswith("; not surely so at 1 of the points (gain = 0)")
+    (everywhere,) = verdict_lines(dataclasses.replace(found, comparisons=[c for c in pairs if c.point != 0]))
+    assert "not surely so" not in everywhere

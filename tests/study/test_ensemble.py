@@ -23,7 +23,7 @@ from asmc_pin.pages.tables.text_table import number
 from asmc_pin.results import result_folder
 from asmc_pin.study import compare
 from asmc_pin.study.ensemble import bands, check_size, first_trial, starts
-from asmc_pin.study.notes.sensitivity_notes import sensitivity_lines
+from asmc_pin.study.notes.sensitivity_notes import limit_lines, sensitivity_lines
 
 LAWS = {
     "PPC": {"law": "ppc"},
@@ -262,6 +262,18 @@ def test_a_law_that_a_robot_with_a_torque_rate_limit_would_refuse_is_named(tmp_p
     assert line == "torque rate: PPC, Proposed would have tripped a 0.001 N·m/s robot in at least one trial"
     free = experiment(metrics={"torque_rate_limit": float("inf")})
     assert not [x for x in compare(free, out=tmp_path / "c").notes if x.startswith("torque rate")]
+
+
+def test_of_a_law_that_diverged_no_trip_is_told_that_nobody_saw():
+    """A trial that diverged is worse than any figure; that a robot would have stopped it is another matter."""
+    laws = np.repeat(["Calm", "Torn", "Lost"], 2)
+    ticks = [0.0, 0.0, 3.0, 0.0, 0.0, np.nan]
+    status = ["ok", "ok", "ok", "ok", "ok", "diverged"]
+    rows = pd.DataFrame({"controller": laws, "trial": [0, 1] * 3, "joint": "a", "status": status})
+    (line,) = limit_lines(experiment(), rows.assign(torque_rate_ticks=ticks))
+    assert "Calm would have run on a 1000 N·m/s robot in every trial" in line
+    assert "; Torn would have tripped a 1000 N·m/s robot in at least one trial" in line
+    assert line.endswith("; of Lost it is not known, as trials diverged")
 
 
 def test_three_of_sixteen_trials_that_diverge_are_a_status_and_a_count(tmp_path, monkeypatch, unillustrated):

@@ -111,13 +111,13 @@ def test_draws_that_are_all_alike_make_nobody_better(tmp_path):
 def test_a_scan_that_never_fails_says_up_to_where_and_one_that_sometimes_does_says_beyond(tmp_path):
     gentle = {"plant.friction.coulomb": {"scan": [0.0, 0.25], "until": {"max_error": 1.0}}}
     found = sweep(tiny(gentle, plant={"friction": {"coulomb": 0.0}}, arm="two_link"), 2, tmp_path / "s", workers=1)
-    assert [line for line in found.lines() if line.endswith("BSMC no failure up to 0.25")]
+    assert [line for line in found.lines() if line.endswith("BSMC no failure seen up to 0.25")]
     page = (found.out / "summary.md").read_text()
-    assert "no failure up to 0.25" in page
+    assert "no failure seen up to 0.25" in page
     assert "∞ [∞" not in page + str(found)
     ends = found.findings.fails_at["plant.friction.coulomb"]
     ends["BSMC"][:] = [0.1, math.inf]
-    assert any("BSMC first at" in line and "beyond 0.25]" in line for line in found.lines())
+    assert any("BSMC first seen at" in line and "beyond 0.25]" in line for line in found.lines())
 
 
 def test_a_key_of_one_controller_is_told_of_that_one_and_compared_with_nobody(tmp_path):

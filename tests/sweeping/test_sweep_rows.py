@@ -19,6 +19,7 @@ from asmc_pin.errors import ExperimentError, ParameterError, ResultError
 from asmc_pin.metrics import METRICS, evaluate
 from asmc_pin.sweeping import sweep
 from asmc_pin.sweeping.block_rows import BlockRows
+from asmc_pin.sweeping.row_files import read_shards
 from asmc_pin.sweeping.sweep_key import sweep_key
 from asmc_pin.sweeping.sweep_plan import sweep_plan
 from asmc_pin.sweeping.sweep_verb import how_far
@@ -313,3 +314,15 @@ def test_the_memory_of_a_block_does_not_grow_with_its_trials(monkeypatch):
             tracemalloc.stop()
     # Histories of four trials of 1,001 ticks are some MB; all 64 at once would be sixteen times as much.
     assert peaks[64] < 2.0 * peaks[4]
+
+
+def test_rows_that_another_sweep_left_in_the_place_of_ones_own_are_in_no_figure(tmp_path):
+    """Where no lock is to be had, as between two machines, the key of the rows tells."""
+    mine, other = tiny(), tiny(duration=0.06)
+    sweep(mine, 2, tmp_path / "a", workers=1)
+    sweep(other, 2, tmp_path / "b", workers=1)
+    (shard,) = (tmp_path / "b" / "rows").iterdir()
+    shutil.copy(shard, tmp_path / "a" / "rows" / shard.name)
+    plan = sweep_plan(mine, 2, None, sweep_key(mine))
+    with pytest.raises(ResultError, match="rows of another sweep"):
+        list(read_shards(plan, tmp_path / "a"))

@@ -10,6 +10,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from law_settings import required_of
+from sweep_cases import contents
 from tune_cases import repeatable, small
 
 import asmc_pin
@@ -260,9 +261,11 @@ def test_mistakes_are_told():
 
 def test_candidates_of_another_experiment_are_refused_until_they_may_be_replaced(tmp_path):
     asmc_pin.tune(small(), 1, tmp_path / "out")
+    before = contents(tmp_path / "out")
     other = small(duration=0.19)
     with pytest.raises(ResultError, match="another experiment, URDF or version"):
         asmc_pin.tune(other, 1, tmp_path / "out")
+    assert contents(tmp_path / "out") == before  # its experiment too: else the result would be said to be of the other
     asmc_pin.tune(other, 1, tmp_path / "out", force=True)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "thesis.txt").write_text("years of work")

@@ -10,7 +10,7 @@ import pandas as pd
 from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.metrics import METRICS
 from asmc_pin.pages.tables.text_table import number
-from asmc_pin.results.ensemble_summary import ends, failed_words, failures, figures_by_trial, labels_of, paired
+from asmc_pin.results.ensemble_summary import alike, ends, failed_words, failures, figures_by_trial, labels_of, paired
 from asmc_pin.statistics.joint_mean import joint_mean
 from asmc_pin.statistics.order_statistics import spread_of
 from asmc_pin.statistics.pairwise import PairedComparison
@@ -23,10 +23,12 @@ _AT = {
 """What the smallest figure of a metric means to a person, and what the figure is; others by their own title."""
 
 
-def compared(labels: list[str], about: Premises, duration: float, period: float, trials: int) -> str:
+def compared(labels: list[str], about: Premises, duration: float, period: float, summary: pd.DataFrame) -> str:
     """One sentence: which controllers, on which arm, for how long."""
     who = f"{_listed(labels)} followed" if len(labels) > 1 else f"{labels[0]} alone followed"
-    each = f"; each ran {trials} times, from starts that nobody could tell apart" if trials > 1 else "; each ran once"
+    trials = summary.trial.nunique()
+    starts = "all alike" if alike(summary) else "from starts that nobody could tell apart"
+    each = f"; each ran {trials} times, {starts}" if trials > 1 else "; each ran once"
     return (
         f"{who} the same motion in simulation, {duration:g} s of it, on {about.title}, with a torque every "
         f"{1e3 * period:g} ms{each}."
@@ -45,12 +47,16 @@ def winners(summary: pd.DataFrame) -> list[tuple[str, str]]:
 
 
 def mbar_verdicts(claims: pd.DataFrame | None) -> dict[str, str]:
-    """Of Lemma 1's condition along the motion by label: ``violated`` or ``unrefuted``; without laws that have no M̄."""
+    """Of Lemma 1's condition along the motion by label, without laws that have no M̄.
+
+    ``violated``; ``cut short`` where a trial diverged before the condition was broken; else ``unrefuted``.
+    """
     if claims is None:
         return {}
     rows = claims[(claims.claim == "lemma1") & claims.status.isin(["held", "broken", "not tested after"])]
+    by_rank = ("broken", "violated"), ("not tested after", "cut short"), ("held", "unrefuted")
     return {
-        str(label): "violated" if (each.status == "broken").any() else "unrefuted"
+        str(label): next(verdict for status, verdict in by_rank if (each.status == status).any())
         for label, each in rows.groupby("controller", sort=False)
     }
 
@@ -60,13 +66,17 @@ def allowed(verdicts: Mapping[str, str]) -> str:
     if not verdicts:
         return "Not known: the result holds no check of it, or no law here has an M̄."
     broken = [label for label, verdict in verdicts.items() if verdict == "violated"]
-    kept = [label for label in verdicts if label not in broken]
+    short = [label for label, verdict in verdicts.items() if verdict == "cut short"]
+    kept = [label for label in verdicts if label not in broken + short]
     said = []
     if broken:
         said.append(f"No, for {_listed(broken)}: the condition was broken on the way, and the theory promises nothing.")
     if kept:
-        begin = "Yes" if not broken else "As far as the run shows"
+        begin = "As far as the run shows" if broken or short else "Yes"
         said.append(f"{begin}, for {_listed(kept)}: at every tick of this motion the condition held.")
+    if short:
+        said.append(f"Not known to its end, for {_listed(short)}: the condition held up to where a trial diverged.")
+    if kept or short:
         said.append("Whether it holds at the other angles that the joints can take was not asked here.")
     return " ".join(said)
 
@@ -83,6 +93,8 @@ def _winner(summary: pd.DataFrame, name: str) -> tuple[str, str]:
     if summary.controller.nunique() < 2:
         return heading, ""
     pairs = [item for item in paired(summary) if item.metric == name]
+    if pairs and (failures(summary).mean(axis=1) > 0.5).all():
+        return heading, f"No one: all diverged in most of their trials ({figure})."
     return (heading, _by_pairs(pairs, figure)) if pairs else (heading, _by_medians(summary, name, figure))
 
 
@@ -106,6 +118,7 @@ def _by_pairs(pairs: list[PairedComparison], figure: str) -> str:
 
 def _by_medians(summary: pd.DataFrame, name: str, figure: str) -> str:
     """Of single runs the order alone: there is nothing to be certain by."""
+    once = "Trials all alike" if summary.trial.nunique() > 1 else "One run each"
     medians = spread_of(np.moveaxis(figures_by_trial(summary, name), 1, 0)).median
     mean = joint_mean(medians, METRICS[name].least)
     order = [k for k in np.argsort(mean) if np.isfinite(mean[k])]
@@ -113,11 +126,11 @@ def _by_medians(summary: pd.DataFrame, name: str, figure: str) -> str:
     if not order:
         return ""
     if len(order) == 1:
-        return f"{labels[order[0]]} ({figure}). One run each: how sure that is, is not known."
+        return f"{labels[order[0]]} ({figure}). {once}: how sure that is, is not known."
     share = number(float(mean[order[0]] / mean[order[1]]))
     return (
-        f"{labels[order[0]]}: its {figure}, {_OVER}, is {share} times that of {labels[order[1]]}, the next. One run "
-        "each: how sure that is, is not known."
+        f"{labels[order[0]]}: its {figure}, {_OVER}, is {share} times that of {labels[order[1]]}, the next. {once}: "
+        "how sure that is, is not known."
     )
 
 

@@ -30,7 +30,7 @@ HOW_SCANNED = (
     "One key at a time from the start of its scan up a ladder of 8 steps to the first failure, then by bisection; all "
     "else as drawn, grids at the file's own value. A failure between two steps that both pass is not seen."
 )
-PASSED_ALL = "no failure up to"
+PASSED_ALL = "no failure seen up to"
 ALIKE = "nothing in this experiment is random: all draws are the same trial, and there is nothing to be sure of"
 
 
@@ -72,7 +72,9 @@ def scan_lines(findings: SweepFindings) -> list[str]:
     for path in findings.fails_at:
         table = scan_table(findings, path)
         for label, reach, _ in table.rows:
-            found.append(f"{table.title}: {label} {reach if reach.startswith(PASSED_ALL) else f'first at {reach}'}")
+            found.append(
+                f"{table.title}: {label} {reach if reach.startswith(PASSED_ALL) else f'first seen at {reach}'}"
+            )
     return found
 
 
@@ -113,7 +115,13 @@ def _verdict(findings: SweepFindings, metric: str, overall: list[Compared]) -> s
         return f"{measure(metric)}: no controller is better than all others with certainty"
     closest = max(beaten[winner], key=lambda p: p.ratio)
     ratio = f"{number(closest.ratio)} [{number(closest.low)}, {number(closest.high)}]"
-    said = f"{measure(metric)}: {winner} is better than all others; next is {closest.worse}, ratio {ratio}"
+    over, unlike = "", _points_without(findings, metric, winner)
+    if unlike is not None:
+        over = f" in the mean over {len(findings.points)} points"
+    said = f"{measure(metric)}: {winner} is better than all others{over}; next is {closest.worse}, ratio {ratio}"
+    if unlike:
+        where = f" ({findings.points[unlike[0]]})" if len(unlike) == 1 else ""
+        said += f"; not surely so at {len(unlike)} of the points{where}"
     # A few trials that went badly can decide a mean, while in most the order is the other one.
     doubted = [
         f"{pair.worse} (p {number(pair.p)}, chance {100.0 * pair.improvement:.0f} %)"
@@ -121,6 +129,16 @@ def _verdict(findings: SweepFindings, metric: str, overall: list[Compared]) -> s
         if not pair.certain_in_family
     ]
     return f"{said}; sure by the mean alone, not by ranks, against {', '.join(doubted)}" if doubted else said
+
+
+def _points_without(findings: SweepFindings, metric: str, winner: str) -> list[int] | None:
+    """Points of the grids at which the winner of the mean over all is not surely ahead of all; None without points."""
+    ahead: dict[int, int] = {}
+    for item in findings.comparisons:
+        if item.point is not None and item.paired.metric == metric:
+            mine = item.paired.better == winner and item.paired.certain
+            ahead[item.point] = ahead.get(item.point, 0) + mine
+    return [point for point, beaten in ahead.items() if beaten < len(findings.labels) - 1] if ahead else None
 
 
 def failure_lines(findings: SweepFindings) -> list[str]:

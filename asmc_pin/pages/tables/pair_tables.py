@@ -6,7 +6,7 @@ import pandas as pd
 
 from asmc_pin.metrics import METRICS
 from asmc_pin.pages.tables.text_table import Table, number
-from asmc_pin.results.ensemble_summary import paired
+from asmc_pin.results.ensemble_summary import alike, paired
 
 PAIRS_READ = (
     "Geometric mean over joints and trials of the better figure over the worse in the same trial, with the 95 % "
@@ -22,6 +22,11 @@ def figures_read(summary: pd.DataFrame) -> str:
     tripped = " (under “trips”: never)" if summary.trip_time.notna().any() else ""
     if trials == 1:
         return f"Marked: the best figure of a column, in this single run. Dash: not defined{tripped}."
+    if alike(summary):
+        return (
+            f"All {trials} trials are the same to the last bit: how sure a figure is, is not known. Marked: the best "
+            f"figure of a column. Dash: not defined{tripped}."
+        )
     return (
         f"Figures are medians of {trials} trials whose starts nobody could tell apart, with their 5 % … 95 % where "
         "that differs: numerical sensitivity for this plant and these gains. A trial that diverged counts as worse "
@@ -31,7 +36,7 @@ def figures_read(summary: pd.DataFrame) -> str:
 
 
 def pair_table(summary: pd.DataFrame) -> Table | None:
-    """Every pair of controllers by the metrics that come first; None of a single trial or controller."""
+    """Every pair of controllers by the metrics that come first; None of one controller, or a single trial."""
     found = paired(summary)
     if not found:
         return None

@@ -9,7 +9,7 @@ from asmc_pin.arms.robot_limits import LIMITED_QUANTITIES
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
 from asmc_pin.pages.tables.text_table import number
-from asmc_pin.results.ensemble_summary import failures, figures_by_trial, labels_of, sensitivity
+from asmc_pin.results.ensemble_summary import alike, failures, figures_by_trial, labels_of, sensitivity
 
 
 def sensitivity_lines(experiment: Experiment, rows: pd.DataFrame) -> list[str]:
@@ -22,6 +22,11 @@ def sensitivity_lines(experiment: Experiment, rows: pd.DataFrame) -> list[str]:
     trials, failed = rows.trial.nunique(), failures(rows).sum(axis=1)
     if trials == 1:
         return []
+    if alike(rows):
+        return [
+            f"all {trials} trials are the same to the last bit, as nothing differs among them: how sure a figure is, "
+            "is not known; give [ensemble] a q0_deviation"
+        ]
     joints, told = list(dict.fromkeys(rows.joint)), []
     for label, moves, count in zip(labels_of(rows), sensitivity(rows, "rms_error"), failed, strict=True):
         if count and not np.isfinite(moves).all():
@@ -51,10 +56,12 @@ def limit_lines(experiment: Experiment, rows: pd.DataFrame) -> list[str]:
         if not np.isfinite(limit).any():
             return []
         ran = np.all(figures_by_trial(rows, "torque_rate_ticks") == 0.0, axis=(1, 2))
+        seen = rows.torque_rate_ticks > 0.0
         name, said = f"a {', '.join(f'{x:g}' for x in limit)} N·m/s robot", "torque rate: "
         kept = f"would have run on {name}"
     else:
         ran = np.all(np.isnan(figures_by_trial(rows, "trip_time")), axis=(1, 2))
+        seen = np.isfinite(rows.trip_time)
         judged = [LIMITED_QUANTITIES[key][0] for key in robot.published]
         others = [words for words, _ in LIMITED_QUANTITIES.values() if words not in judged]
         missing = f" ({' and '.join(others)} not published, not judged)" if others else ""
@@ -62,5 +69,9 @@ def limit_lines(experiment: Experiment, rows: pd.DataFrame) -> list[str]:
         kept = "kept them"
     labels = np.array(labels_of(rows))
     parts = [f"{', '.join(labels[ran])} {kept} in every trial"] if ran.any() else []
-    parts += [f"{', '.join(labels[~ran])} would have tripped {name} in at least one trial"] if not ran.all() else []
+    tripped = np.isin(labels, rows.controller[seen].astype(str))
+    # A trial that diverged is worse than any figure, and yet it may have broken no limit.
+    ended = ~ran & ~tripped
+    parts += [f"{', '.join(labels[tripped])} would have tripped {name} in at least one trial"] if tripped.any() else []
+    parts += [f"of {', '.join(labels[ended])} it is not known, as trials diverged"] if ended.any() else []
     return [said + "; ".join(parts)]
