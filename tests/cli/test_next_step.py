@@ -94,6 +94,18 @@ def test_after_a_search_that_refutes_nothing_the_next_command_proves_the_same_st
     assert next_words(out)[:1] == ["design"]
 
 
+def test_a_design_whose_time_was_up_is_told_the_same_command_with_twice_the_time(capsys):
+    asked = ("--payload", "1", "--objective", "bandwidth")
+    status, out = run(capsys, "design", "two_link", *asked, "--budget", "1e-3")
+    assert status == 0
+    *_, more, last = out.splitlines()
+    assert last.startswith("next: gains for it")
+    twice = parsed(next_words(more))
+    assert (twice["payload"], twice["objective"], twice["budget"]) == ("1", "bandwidth", 2e-3)
+    _, out = run(capsys, "design", "two_link")
+    assert "twice the time" not in out
+
+
 def test_json_carries_no_such_line(capsys):
     _, out = run(capsys, "verify", "two_link", "--mbar", "9", "--json")
     assert json.loads(out)["verdict"] == "violated"
