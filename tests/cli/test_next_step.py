@@ -199,10 +199,30 @@ def test_a_result_that_is_not_there_is_made_by_the_command_that_the_message_name
         main(["view", "demo"])
     assert ended.value.code == 2
     assert "make it with: asmc-pin compare demo" in capsys.readouterr().err
-    for name, meant in (("rows.parquet", "--replay TRIAL"), ("tuned.toml", "asmc-pin compare demo/tuned.toml")):
+    for name, meant in (
+        ("rows.parquet", "--replay TRIAL"),
+        ("tuned.toml", "asmc-pin compare demo/tuned.toml"),
+        ("bench.json", "read demo/report.html"),
+    ):
         (tmp_path / "demo").mkdir(exist_ok=True)
         (tmp_path / "demo" / name).touch()
         with pytest.raises(SystemExit):
             main(["report", "demo"])
         assert meant in capsys.readouterr().err
         (tmp_path / "demo" / name).unlink()
+
+
+def test_a_result_whose_name_is_nearly_right_is_answered_with_the_one_that_is_there(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "results" / "second").mkdir(parents=True)
+    (tmp_path / "results" / "second" / "experiment.toml").touch()
+    for given, meant in (("secnd", "did you mean results/second?"), ("DEMO", "did you mean demo?")):
+        for verb in ("view", "report"):
+            with pytest.raises(SystemExit) as ended:
+                main([verb, given])
+            assert ended.value.code == 2
+            assert meant in capsys.readouterr().err
+    (tmp_path / "page.html").touch()
+    with pytest.raises(SystemExit):
+        main(["view", "page.html"])
+    assert "page.html is a file, and a result is a folder" in capsys.readouterr().err
