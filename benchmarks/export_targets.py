@@ -7,6 +7,7 @@ Needs gcc, g++, clang and the extra agree (MuJoCo). On the demo's arm; differenc
 
 from __future__ import annotations
 
+import argparse
 import shutil
 import subprocess
 import tempfile
@@ -112,4 +113,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__.partition("\n")[0]).parse_args()
     main()

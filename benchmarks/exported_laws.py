@@ -8,6 +8,7 @@ recorded ticks of the law: they do not depend on the machine's load, but on comp
 
 from __future__ import annotations
 
+import argparse
 import re
 import shutil
 import subprocess
@@ -91,4 +92,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__.partition("\n")[0]).parse_args()
     main()

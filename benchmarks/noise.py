@@ -10,6 +10,7 @@ settled, over the predicted one, by joint. *At rest*: the largest deviation of t
 
 from __future__ import annotations
 
+import argparse
 import math
 from dataclasses import dataclass, replace
 
@@ -182,4 +183,5 @@ def _list(values: Array, form: str) -> str:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__.partition("\n")[0]).parse_args()
     main()

@@ -9,6 +9,7 @@ PPC on a motion of all joints, over the predicted one, by joint. Third: the time
 
 from __future__ import annotations
 
+import argparse
 import math
 from dataclasses import dataclass
 from time import perf_counter
@@ -142,4 +143,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__.partition("\n")[0]).parse_args()
     main()

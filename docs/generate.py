@@ -6,6 +6,7 @@ text around it is written by hand. Files that are derived as a whole stand in `W
 
 from __future__ import annotations
 
+import argparse
 import re
 import sys
 from collections.abc import Callable, Iterator
@@ -64,7 +65,9 @@ def stale() -> list[Path]:
 
 
 if __name__ == "__main__":
-    if "--check" in sys.argv:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--check", action="store_true", help="write nothing; exit status 1 where a file is stale")
+    if parser.parse_args().check:
         names = [str(path.relative_to(ROOT)) for path in stale()]
         sys.exit(f"run make docs; stale: {', '.join(names)}" if names else 0)
     for path, text in everything():

@@ -5,9 +5,9 @@ A cell with the tag `scene` shows a page of some megabytes; its output is made w
 
 from __future__ import annotations
 
+import argparse
 import os
 import re
-import sys
 import tempfile
 from pathlib import Path
 
@@ -57,5 +57,7 @@ def _plain(output: nbformat.NotebookNode) -> nbformat.NotebookNode:
 
 
 if __name__ == "__main__":
-    for each in [Path(name) for name in sys.argv[1:]] or NOTEBOOKS:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("notebooks", nargs="*", type=Path, help="files; all of examples/ by default")
+    for each in parser.parse_args().notebooks or NOTEBOOKS:
         nbformat.write(kept(executed(each)), each)

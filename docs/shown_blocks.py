@@ -13,6 +13,7 @@ stands in a comment right above a block:
 
 from __future__ import annotations
 
+import argparse
 import math
 import os
 import re
@@ -189,5 +190,7 @@ def renew(page: str) -> None:
 
 
 if __name__ == "__main__":
-    for name in sys.argv[1:]:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("pages", nargs="+", metavar="PAGE", help="whose shown output is renewed, such as docs/arms.md")
+    for name in parser.parse_args().pages:
         renew(name)

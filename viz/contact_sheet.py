@@ -5,8 +5,8 @@ python viz/contact_sheet.py [FILE.png [URDF …]]        default: results/galler
 
 from __future__ import annotations
 
+import argparse
 import io
-import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -66,6 +66,11 @@ def main(out: Path, urdfs: list[str]) -> Path:
 
 
 if __name__ == "__main__":
-    target = Path(sys.argv[1] if len(sys.argv) > 1 else "results/gallery/arms.png")
-    target.parent.mkdir(parents=True, exist_ok=True)
-    print(main(target, sys.argv[2:]))
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("file", nargs="?", type=Path, default=Path("results/gallery/arms.png"), help="a PNG")
+    parser.add_argument("urdfs", nargs="*", metavar="URDF", help="arms, or URDFs; all that ship by default")
+    options = parser.parse_args()
+    if options.file.suffix.lower() != ".png":
+        parser.error(f"{options.file} does not end in .png")
+    options.file.parent.mkdir(parents=True, exist_ok=True)
+    print(main(options.file, options.urdfs))

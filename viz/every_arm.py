@@ -5,10 +5,10 @@ python viz/every_arm.py [FOLDER]        default: results/gallery
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import numpy as np
+from asked import asked_folder
 
 from asmc_pin.arms import ARMS, Arm, arm_names, load_arm
 from asmc_pin.disk.files import write_whole
@@ -53,7 +53,5 @@ def make(folder: Path) -> dict[str, Path]:
 
 
 if __name__ == "__main__":
-    out = Path(sys.argv[1] if len(sys.argv) > 1 else "results/gallery")
-    out.mkdir(parents=True, exist_ok=True)
-    for made in make(out).values():
+    for made in make(asked_folder(__doc__)[0]).values():
         print(made)

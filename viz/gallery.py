@@ -5,7 +5,6 @@ python viz/gallery.py [FOLDER]        default: results/gallery
 
 from __future__ import annotations
 
-import sys
 from contextlib import nullcontext
 from html import escape
 from pathlib import Path
@@ -13,6 +12,7 @@ from pathlib import Path
 import every_arm
 import shipped_experiments
 import under_a_ceiling
+from asked import asked_folder
 from contact_sheet import photograph, photographer
 
 from asmc_pin.disk.files import write_whole
@@ -62,4 +62,4 @@ def has_browser() -> bool:
 
 
 if __name__ == "__main__":
-    print(main(Path(sys.argv[1] if len(sys.argv) > 1 else "results/gallery")))
+    print(main(asked_folder(__doc__)[0]))

@@ -5,10 +5,11 @@ python viz/shipped_experiments.py [FOLDER [NAME …]]        default: results/ga
 
 from __future__ import annotations
 
-import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
+
+from asked import asked_folder
 
 from asmc_pin import compare, load_experiment
 from asmc_pin.experiment import experiment_names
@@ -28,7 +29,5 @@ def make(folder: Path, names: Sequence[str] = ()) -> dict[str, Path]:
 
 
 if __name__ == "__main__":
-    out = Path(sys.argv[1] if len(sys.argv) > 1 else "results/gallery")
-    out.mkdir(parents=True, exist_ok=True)
-    for page in make(out, sys.argv[2:]).values():
+    for page in make(*asked_folder(__doc__, names="shipped experiments; all by default")).values():
         print(page)

@@ -13,7 +13,7 @@ from asmc_pin.cli.console import note
 from asmc_pin.cli.option_groups.gain_options import GainOptions
 from asmc_pin.cli.option_groups.law_options import settings_of
 from asmc_pin.cli.option_groups.loop_options import LoopOptions
-from asmc_pin.cli.options import number, per_joint
+from asmc_pin.cli.options import check_count, number, per_joint
 from asmc_pin.disk.file_access import check_writable
 from asmc_pin.disk.files import write_whole
 from asmc_pin.errors import ParameterError
@@ -66,8 +66,9 @@ def asked_gains(context: typer.Context, given: GainOptions, loop: LoopOptions) -
         raise ParameterError("--gains", "needs the control period: add --period 0.001, in seconds")
     if given.noise_budget is not None and not given.gains:
         raise ParameterError("--noise-budget", "is for gains: add --gains and --period")
-    if (given.law is not None or given.settings) and not given.gains:
-        raise ParameterError("--law" if given.law is not None else "--set", "is for gains: add --gains and --period")
+    for option, said in (("--law", given.law), ("--set", given.settings), ("--period", given.period)):
+        if said and not given.gains:
+            raise ParameterError(option, f"is for gains: add --gains{' and --period' if option != '--period' else ''}")
     own = settings_of(given.law, given.settings)
     if given.yaml is not None:
         loop = _loop_of_a_pid(context, given, loop)
@@ -82,6 +83,9 @@ def asked_gains(context: typer.Context, given: GainOptions, loop: LoopOptions) -
         from asmc_pin.words.units import check_period
 
         check_period(period, "--period")
+        from asmc_pin.sampled.gain_choice.gains import asked_margins
+
+        asked_margins(given.gain_margin, given.delay_margin, period)
         if given.yaml is not None:
             from asmc_pin.sampled.gain_choice.pid_parameters import update_rate
 
@@ -100,13 +104,21 @@ def asked_gains(context: typer.Context, given: GainOptions, loop: LoopOptions) -
     return AskedGains(period, loop, keywords, given.yaml)
 
 
-def check_noise(asked: AskedGains | None, sensor: LoopSensor) -> None:
-    """A budget of noise needs a noise.
+def check_values(asked: AskedGains | None, sensor: LoopSensor, arm: Arm) -> None:
+    """Values are one for all joints or one for each, and a budget of noise needs a noise.
 
     Raises:
-        ParameterError: it has none.
+        ParameterError: there are too few or too many, or there is no noise.
     """
-    if asked is not None and asked.keywords["noise_budget"] is not None and not sensor.noisy:
+    if asked is None:
+        return
+    check_count(asked.keywords["coulomb"], "--coulomb", arm)
+    if asked.keywords["coulomb"] is not None:
+        from asmc_pin.sampled.noise.sensor_model import nonnegative_per_joint
+
+        nonnegative_per_joint("coulomb", asked.keywords["coulomb"], arm.nv, "N·m")
+    check_count(asked.keywords["noise_budget"], "--noise-budget", arm)
+    if asked.keywords["noise_budget"] is not None and not sensor.noisy:
         raise ParameterError(
             "--noise-budget", "needs the noise: add --encoder-bits, --velocity-noise or --torque-noise"
         )

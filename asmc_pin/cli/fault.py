@@ -15,13 +15,10 @@ from typing import Any
 from asmc_pin.cli import interrupt
 from asmc_pin.cli.console import note
 from asmc_pin.cli.interrupt import INTERRUPTED, MESSAGE
-from asmc_pin.errors import AsmcPinError, ParameterError
+from asmc_pin.errors import AsmcPinError
 from asmc_pin.words.text import printable
 
 BAD_INPUT, FAULT = 2, 4
-
-_AS_TYPED = {"along", "armature", "bounds", "box", "chain", "gravity", "lock", "mbar", "payload", "repair"}
-"""Parameters of functions that are options of commands under the same name."""
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -76,9 +73,7 @@ def final(status: int) -> int:
 def status_of(error: BaseException) -> int:
     """Say what an exception means, and give the status to end with."""
     if isinstance(error, AsmcPinError):
-        # What an option says is told with the option's name as it was typed.
-        option = isinstance(error, ParameterError) and error.parameter in _AS_TYPED
-        note(f"--{error}" if option else str(error))
+        note(str(error))
         return BAD_INPUT
     if isinstance(error, KeyboardInterrupt):
         note(MESSAGE)
@@ -93,10 +88,19 @@ def status_of(error: BaseException) -> int:
     if hasattr(error, "format_message") and hasattr(error, "exit_code"):
         context = getattr(error, "ctx", None)
         hint = f" (see '{context.command_path} --help')" if context is not None else ""
-        note(f"{error.format_message().replace('Value error, ', '').rstrip('.')}{hint}")
+        note(f"{_usage_words(error).rstrip('.')}{hint}")
         return BAD_INPUT
     report_fault(error)
     return FAULT
+
+
+def _usage_words(error: Any) -> str:
+    """A usage error as typer says it, with what was typed where it does not say so."""
+    said = str(error.format_message()).replace("Value error, ", "")
+    if "Input should be" in said and hasattr(error.__cause__, "errors"):
+        given = error.__cause__.errors()[0]["input"]
+        return said.replace("Input should be", f"'{printable(str(given))}' given, expected")
+    return said
 
 
 def report_fault(error: BaseException) -> None:

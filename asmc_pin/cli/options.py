@@ -52,9 +52,12 @@ GapOption: TypeAlias = Annotated[
 def _span(text: str | float) -> float:
     """``--budget``; a default comes as the number it is."""
     try:
-        return seconds(text) if isinstance(text, str) else text
+        span = seconds(text) if isinstance(text, str) else text
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
+    if not 0.0 < span < math.inf:
+        raise typer.BadParameter(f"'{text}' given, a positive number of seconds expected, or 90s, 2m, 1h")
+    return span
 
 
 BudgetOption: TypeAlias = Annotated[

@@ -7,7 +7,7 @@ import os
 import stat
 from pathlib import Path
 
-from asmc_pin.errors import ResultError
+from asmc_pin.errors import ParameterError, ResultError
 
 
 def cannot_write(path: str | Path, error: OSError, remedy: str = "") -> ResultError:
@@ -36,6 +36,23 @@ def check_readable(path: str | Path, what: str) -> None:
         number = error.errno or errno.EIO
     if number:
         raise ResultError(path, f"cannot read {what} {path}: {os.strerror(number)}")
+
+
+def check_folder(path: str | Path, option: str) -> None:
+    """Say that a folder cannot be made or written into before long work is done for it.
+
+    Args:
+        path: The folder, which need not be there.
+        option: Its name, for the message.
+
+    Raises:
+        ParameterError: A file is in its place, or in that of a folder above it, or it is not for this user.
+    """
+    above = next(each for each in (Path(path), *Path(os.path.abspath(path)).parents) if each.exists())
+    if not above.is_dir():
+        raise ParameterError(option, f"{above} is a file, a folder expected; give another name")
+    if not os.access(above, os.W_OK):
+        raise ParameterError(option, f"{above} is not a folder that may be written into; give another one")
 
 
 _INPUTS = frozenset({".urdf", ".xacro", ".xml", ".toml", ".csv", ".py", ".stl", ".dae", ".obj"})

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from asmc_pin.disk.reading import shown, user_path
 from asmc_pin.errors import AsmcPinError, ResultError
 from asmc_pin.results.result_files import LARGEST
+from asmc_pin.words.nearest_name import near_names
 from asmc_pin.words.shown import Cells, Shown
 from asmc_pin.words.text import counted
 
@@ -84,6 +85,8 @@ def find_result(path: str | Path) -> Path:
             folder = Path("results") / folder
     except OSError as error:
         raise ResultError(folder, f"{shown(folder)}: cannot be read ({error.strerror})") from None
+    if folder.is_file():
+        raise ResultError(folder, f"{shown(folder)} is a file, and a result is a folder; give the folder")
     if not folder.is_dir():
         raise ResultError(folder, f"there is no result {shown(folder)}; {_maker_of(folder)}")
     absent = [name for name in (EXPERIMENT, TRAJECTORIES, SUMMARY, PROVENANCE) if not (folder / name).exists()]
@@ -99,17 +102,29 @@ def _maker_of(folder: Path) -> str:
 
     if str(folder) in experiment_names():
         return f"make it with: asmc-pin compare {folder}"
+    made = {each.name: each for above in (folder.parent, Path("results")) for each in _folders_in(above)}
+    if near := near_names(folder.name, {*made, *experiment_names()}):
+        return f"did you mean {' or '.join(shown(made.get(name, Path(name))) for name in near)}?"
     return "asmc-pin compare makes one"
 
 
+def _folders_in(folder: Path) -> list[Path]:
+    try:
+        return [each for each in folder.iterdir() if (each / EXPERIMENT).is_file()]
+    except OSError:
+        return []
+
+
 def _instead_of(folder: Path) -> str:
-    """What to do with the folder of a sweep or of a tuning, which have no trajectories."""
+    """What to do with the folder of a sweep, of a tuning or of a benchmark, which have no trajectories."""
     if (folder / "rows.parquet").exists() or (folder / "rows").is_dir():
         return (
             "; it is a sweep: its report.html has the figures, 'asmc-pin sweep … --replay TRIAL' the motion of a trial"
         )
     if (folder / "tuned.toml").exists():
         return f"; it is a tuning: run its gains with 'asmc-pin compare {shown(folder / 'tuned.toml')}'"
+    if (folder / "bench.json").exists():
+        return f"; it is a benchmark: read {shown(folder / 'report.html')}"
     return ""
 
 

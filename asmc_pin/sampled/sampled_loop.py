@@ -20,6 +20,7 @@ from asmc_pin.words.choices import Acceleration as Acceleration
 from asmc_pin.words.choices import Pairing as Pairing
 from asmc_pin.words.choices import Velocity as Velocity
 from asmc_pin.words.joint_units import listed_with_units
+from asmc_pin.words.units import LARGEST, SMALLEST
 
 _SAME_DELAY = 1e-9  # periods
 
@@ -241,6 +242,9 @@ def positive_per_joint(name: str, value: ArrayLike, nv: int, unit: str) -> Array
         raise ParameterError(name, f"got {value!r}; expected a number or {nv} of them, in {unit}") from None
     if not (np.isfinite(spread).all() and (spread > 0.0).all()):
         raise ParameterError(name, f"got {spread.tolist()}; every value must be finite and positive ({unit})")
+    if spread.min(initial=1.0) < SMALLEST or spread.max(initial=1.0) > LARGEST:
+        within = f"between {SMALLEST:g} and {LARGEST:g} ({unit})"
+        raise ParameterError(name, f"got {spread.tolist()}; every value must be {within}")
     spread.flags.writeable = False
     return spread
 

@@ -18,6 +18,12 @@ from asmc_pin.errors import ParameterError
 LONGEST_PERIOD = 1.0
 """s; no arm is controlled once a second."""
 
+SHORTEST_PERIOD = 1e-9
+"""s; no computer controls an arm as fast, and squares of a shorter one are soon below what a float has."""
+
+SMALLEST, LARGEST = 1e-50, 1e50
+"""Of M̄, K_s and β in SI units; products of figures beyond are none that a float has."""
+
 SHORTEST_DELAY = 0.05
 """Periods; below it a delay does not show, and is more likely in seconds."""
 
@@ -55,17 +61,20 @@ class JointsOfArm(Protocol):
 
 
 def check_period(period: float, name: str = "period") -> None:
-    """Ask about a control period of a second or more: a rate in Hz, or milliseconds.
+    """Ask about a control period of a second or more, a rate in Hz or milliseconds; refuse none, or one below 1 ns.
 
     Raises:
         ParameterError: named `name`.
     """
+    if not period > 0.0:
+        raise ParameterError(name, f"{period:g} given, a positive time in s expected, such as 0.001")
+    said = f"{period:g} s? A control period is in seconds, and "
+    if period < SHORTEST_PERIOD:
+        raise ParameterError(name, f"{said}at least {SHORTEST_PERIOD:g}")
     if period >= LONGEST_PERIOD:
         meant = {"Hz": 1.0 / period, "kHz": 1e-3 / period, "ms": 1e-3 * period}
         known = [f"{period:g} {unit} is {value:.6g}" for unit, value in meant.items() if 1e-5 <= value < LONGEST_PERIOD]
-        raise ParameterError(
-            name, f"{period:g} s? A control period is in seconds, and below {LONGEST_PERIOD:g}: {', '.join(known)}"
-        )
+        raise ParameterError(name, f"{said}below {LONGEST_PERIOD:g}" + (f": {', '.join(known)}" if known else ""))
 
 
 def check_delay(delay: float, period: float, name: str = "delay") -> None:

@@ -192,7 +192,10 @@ def test_a_noise_budget_chooses_the_filter_too(asmc_pin):
     [
         (("--noise-budget", "1", "--encoder-bits", "17"), "add --gains and --period"),
         (("--gains", "--period", "0.001", "--noise-budget", "1"), "add --encoder-bits"),
-        (("--gains", "--period", "0.001", "--encoder-bits", "17", "--noise-budget", "1,2,3"), "noise_budget"),
+        (
+            ("--gains", "--period", "0.001", "--encoder-bits", "17", "--noise-budget", "1,2,3"),
+            "--noise-budget: 3 values",
+        ),
         (("--gains", "--period", "0.001", "--encoder-side", "motor"), "--gear"),
     ],
 )

@@ -113,6 +113,54 @@ def test_what_is_nearly_a_number_is_answered_with_how_to_write_it(capsys, words,
     assert err.count("\n") == 1
 
 
+GAINS = ("design", "two_link", "--gains", "--period")
+SEARCH = ("verify", "two_link", "--mbar")
+
+
+@pytest.mark.parametrize(
+    ("words", "given", "mends"),
+    [
+        ((*SEARCH, "0.1", "--samples", "1e4"), "--samples", "'1e4' given, expected a valid integer"),
+        ((*SEARCH, "0.1", "--samples", "9" * 20), f"--samples: {'9' * 20} given", "from 1 to 16777216"),
+        ((*SEARCH, "1e300"), "--mbar: 1e+300", "between 1e-50 and 1e+50"),
+        ((*SEARCH, "0.1", "--certify", "--budget", "-1m"), "'-1m' given", "90s, 2m, 1h"),
+        ((*SEARCH, "0.1", "--certify", "--gap", "0"), "--gap: 0.0 given", "between 0 and 1"),
+        ((*SEARCH, "0.1", "--payload", "1@tipp"), "--payload: no link 'tipp'", "'tip'"),
+        (("bounds", "two_link", "--scale", "0"), "--scale: [0.0, 0.0] given", "from 1e-6"),
+        ((*LOOP, "--beta", "1e308", "--period", "0.001"), "--beta: got [1e+308", "between 1e-50 and 1e+50"),
+        ((*LOOP, "--beta", "5", "--period", "1e-300"), "--period: 1e-300 s?", "at least 1e-09"),
+        ((*LOOP, "--beta", "5", "--period", "1e9"), "--period: 1e+09 s?", "and below 1\n"),
+        ((*LOOP, "--beta", "5", "--period", "0.001", "--law", "ppc", "--set", "gain=1"), "'gain'", "it has none"),
+        ((*LOOP, "--beta", "5", "--period", "0.001", "--figures", "a_file"), "--figures: a_file", "a folder expected"),
+        (("design", "two_link", "--bounds", "joint_1=-1:1"), "--bounds: -1:1", "leave the least out"),
+        (("design", "two_link", "--bounds", "joint_1=0:1e20"), "--bounds: 0:1e+20", "leave the largest out"),
+        (("design", "two_link", "--period", "0.001"), "--period", "add --gains"),
+        ((*GAINS, "0.001", "--coulomb", "-1"), "--coulomb: got [-1.0, -1.0]", "0 or more"),
+    ],
+)
+def test_what_no_computation_takes_is_one_message_with_the_option_as_it_was_typed(
+    capsys, tmp_path, monkeypatch, words, given, mends
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a_file").write_text("mine")
+    status, out, err = run(capsys, *words)
+    assert (status, out) == (2, "")
+    (line,) = (line for line in err.splitlines(keepends=True) if "warning" not in line)
+    assert given in line
+    assert mends in line
+    assert (tmp_path / "a_file").read_text() == "mine"
+
+
+@pytest.mark.parametrize("words", [("0",), ("0.001", "--gain-margin", "0.5"), ("0.001", "--coulomb", "1,2,3")])
+def test_gains_that_cannot_be_chosen_are_refused_before_an_mbar_is_designed_for_them(capsys, monkeypatch, words):
+    def forbidden(*_args, **_options):
+        raise AssertionError("an M̄ was designed")
+
+    monkeypatch.setattr("asmc_pin.condition.design", forbidden)
+    status, out, _ = run(capsys, *GAINS, *words)
+    assert (status, out) == (2, "")
+
+
 @pytest.mark.parametrize(
     ("text", "value"), [("60", 60.0), ("90s", 90.0), ("1m", 60.0), ("2 min", 120.0), ("1.5h", 5400.0)]
 )

@@ -94,6 +94,18 @@ def test_after_a_search_that_refutes_nothing_the_next_command_proves_the_same_st
     assert next_words(out)[:1] == ["design"]
 
 
+def test_a_design_whose_time_was_up_is_told_the_same_command_with_twice_the_time(capsys):
+    asked = ("--payload", "1", "--objective", "bandwidth")
+    status, out = run(capsys, "design", "two_link", *asked, "--budget", "1e-3")
+    assert status == 0
+    *_, more, last = out.splitlines()
+    assert last.startswith("next: gains for it")
+    twice = parsed(next_words(more))
+    assert (twice["payload"], twice["objective"], twice["budget"]) == ("1", "bandwidth", 2e-3)
+    _, out = run(capsys, "design", "two_link")
+    assert "twice the time" not in out
+
+
 def test_json_carries_no_such_line(capsys):
     _, out = run(capsys, "verify", "two_link", "--mbar", "9", "--json")
     assert json.loads(out)["verdict"] == "violated"
@@ -187,10 +199,30 @@ def test_a_result_that_is_not_there_is_made_by_the_command_that_the_message_name
         main(["view", "demo"])
     assert ended.value.code == 2
     assert "make it with: asmc-pin compare demo" in capsys.readouterr().err
-    for name, meant in (("rows.parquet", "--replay TRIAL"), ("tuned.toml", "asmc-pin compare demo/tuned.toml")):
+    for name, meant in (
+        ("rows.parquet", "--replay TRIAL"),
+        ("tuned.toml", "asmc-pin compare demo/tuned.toml"),
+        ("bench.json", "read demo/report.html"),
+    ):
         (tmp_path / "demo").mkdir(exist_ok=True)
         (tmp_path / "demo" / name).touch()
         with pytest.raises(SystemExit):
             main(["report", "demo"])
         assert meant in capsys.readouterr().err
         (tmp_path / "demo" / name).unlink()
+
+
+def test_a_result_whose_name_is_nearly_right_is_answered_with_the_one_that_is_there(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "results" / "second").mkdir(parents=True)
+    (tmp_path / "results" / "second" / "experiment.toml").touch()
+    for given, meant in (("secnd", "did you mean results/second?"), ("DEMO", "did you mean demo?")):
+        for verb in ("view", "report"):
+            with pytest.raises(SystemExit) as ended:
+                main([verb, given])
+            assert ended.value.code == 2
+            assert meant in capsys.readouterr().err
+    (tmp_path / "page.html").touch()
+    with pytest.raises(SystemExit):
+        main(["view", "page.html"])
+    assert "page.html is a file, and a result is a folder" in capsys.readouterr().err

@@ -249,9 +249,9 @@ def test_the_command_line_takes_an_encoder_at_the_motor_and_says_what_does_not_g
     for wrong, named in (
         (["--encoder-bits", "15", "--encoder-side", "motor"], "--gear"),
         (["--gear", "100"], "--encoder-bits"),
-        (["--velocity", "difference", "--velocity-noise", "0.1"], "velocity_noise"),
-        (["--encoder-bits", "-3"], "encoder_bits"),
-        (["--velocity-filter-hz", "50"], "velocity_filter_hz"),
+        (["--velocity", "difference", "--velocity-noise", "0.1"], "--velocity-noise"),
+        (["--encoder-bits", "-3"], "--encoder-bits"),
+        (["--velocity-filter-hz", "50"], "--velocity-filter-hz"),
     ):
         status, out, message = run(*wrong)
         assert (status, out) == (2, "")

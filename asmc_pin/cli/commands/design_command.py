@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from asmc_pin.cli.app import MBAR, app
-from asmc_pin.cli.asked_gains import asked_gains, check_noise, with_proof
+from asmc_pin.cli.asked_gains import asked_gains, check_values, with_proof
 from asmc_pin.cli.asked_proofs import check_proof_options, condition_proof
 from asmc_pin.cli.condition_output import EXIT, write_page
 from asmc_pin.cli.console import note, print_json, progress_bar, say
@@ -83,16 +83,16 @@ def design(
     limits, ranges = parse_bounds(bounds), parse_box(box)
     loaded, domain = open_domain(arm, loading)
     sensor = (loop if asked is None else asked.loop).sensor(loaded.nv)
-    check_noise(asked, sensor)
+    check_values(asked, sensor, loaded)
     options = {"condition": condition, "objective": objective, "form": form, "level": level, "bounds": limits}
     found = _designed(loaded, **options, box=ranges, seed=seed, budget=budget, **domain)
     if certify and found.check is not None:
-        proof = {"gap": gap, "budget": budget, "seed": seed, "condition": condition, "box": ranges}
+        wanted = {"gap": gap, "budget": budget, "seed": seed, "condition": condition, "box": ranges}
         file = _beside(certificate) if asked is not None and certificate is not None else certificate
-        check = condition_proof(loaded, list(found.check.mbar), found.check, file, **proof, **domain)
+        check = condition_proof(loaded, list(found.check.mbar), found.check, file, **wanted, **domain)
         found = replace(found, check=check, verdict=check.verdict)
     write_page(found, loaded, page)
-    content, lines, refuted = found.to_json_dict(), found.lines(), False
+    content, lines, refuted, open_question = found.to_json_dict(), found.lines(), False, False
     if asked is not None and found.mbar is not None:
         suggested = asked.suggest(loaded, found.mbar, sensor, box=ranges, **domain)
         if certify and suggested.report is not None:
@@ -100,6 +100,8 @@ def design(
                 loaded, suggested, suggested.report, certificate, budget=budget, box=ranges, **domain
             )
             refuted = suggested.report is not None and not suggested.report.stable
+            proof = None if suggested.report is None else suggested.report.proof
+            open_question = proof is not None and proof.verdict == "undecided"
         elif certificate is not None:
             note(f"no gains were found, so no certificate of them was written to {certificate}")
         content["gains"] = asked.to_json_dict(suggested, loaded)
@@ -109,7 +111,8 @@ def design(
         print_json(content)
     else:
         say(*lines)
-        _say_next(context, found, gains=gain.gains, certify=certify)
+        short = found.verdict == "undecided" or open_question or bool(found.unfinished and found.seconds >= budget)
+        _say_next(context, found, gains=gain.gains, certify=certify, longer=2.0 * budget if short else None)
     raise typer.Exit(1 if refuted else {"infeasible": 1, **EXIT}[found.verdict])
 
 
@@ -128,10 +131,14 @@ def _designed(arm: Any, **options: Any) -> DesignReport:
         return run(arm, **options, progress=tell)
 
 
-def _say_next(context: typer.Context, found: DesignReport, *, gains: bool, certify: bool) -> None:
+def _say_next(context: typer.Context, found: DesignReport, *, gains: bool, certify: bool, longer: float | None) -> None:
+    """The next command; `longer`: a budget, s, where this one was up before all was done."""
     kept = ("objective", "form", "bounds", "level", "seed")
     margins = ("period", "gain_margin", "delay_margin", "coulomb", "noise_budget", "law", "settings", *LOOP_NAMES)
     more = () if certify else ("--certify",)
+    if longer is not None:
+        asked = (*kept, *margins, "gains", "yaml", "certify", "gap", "certificate", "report")
+        say_next("twice the time", again(context, "design", "--budget", f"{longer:g}", also=asked))
     if found.mbar is None:
         say_next("how large M(q) is, which M̄ has to suit", again(context, "bounds"))
     elif not gains:

@@ -31,6 +31,7 @@ from asmc_pin.cli.options import (
     per_joint,
     report_path,
 )
+from asmc_pin.disk.file_access import check_folder
 from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -71,6 +72,8 @@ def stability(
     """
     check_proof_options(certify, certificate)
     page = report_path(report)
+    if figures is not None:
+        check_folder(figures, "--figures")
     values, slopes, ranges = per_joint(mbar, "--mbar"), per_joint(ks, "--ks"), parse_box(box)
     rate, length = number(beta, "--beta", "what may differ from joint to joint is --ks"), number(period, "--period")
     loaded, domain = open_domain(arm, loading)

@@ -67,7 +67,9 @@ def settings_of(name: str | None, settings: list[str] | None, shared: Collection
     for key in given:
         if key not in known or key in shared:
             own = [key for key in known if key not in shared]
-            raise ParameterError("--set", f"'{name}' has no parameter '{key}' of its own; it has {', '.join(own)}")
+            raise ParameterError(
+                "--set", f"'{name}' has no parameter '{key}' of its own; it has {', '.join(own) or 'none'}"
+            )
     return {key: _value(known[key], text, f"--set {key}") for key, text in given.items()}
 
 

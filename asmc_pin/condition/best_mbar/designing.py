@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, TypeAlias, get_args
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from asmc_pin.condition.best_mbar.limits_of_mbar import (
     what_armature_buys,
     what_published_rotors_buy,
 )
+from asmc_pin.condition.best_mbar.mbar_bounds import BoundsLike, read_bounds
 from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoices, PayloadRange, cases
 from asmc_pin.condition.domain.joint_box import BoxLike
 from asmc_pin.condition.norm.two_conditions import Condition, check_condition
@@ -30,9 +31,6 @@ from asmc_pin.words.choices import Objective as Objective
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
 
-
-BoundsLike: TypeAlias = "tuple[float | None, float | None] | Mapping[str, tuple[float | None, float | None]] | None"
-"""(least, largest) m̄ of every joint, or joint to such a pair; None where there is no bound, kg·m²."""
 
 MARGIN = 0.1
 """Share of the least norm's distance from 1 that `bandwidth` keeps unless told a level."""
@@ -202,28 +200,6 @@ def branches_of(all_cases: list[Case], outcome: Designed) -> tuple[DesignBranch,
         DesignBranch(tuple(names[i] for i in joints), part.norm, part.solution.bound, part.bandwidth)
         for part, joints in zip(outcome.parts, outcome.joints, strict=True)
     )
-
-
-def read_bounds(arm: Arm, bounds: BoundsLike, form: Form) -> Bounds:
-    """Bounds on each m̄ᵢ, checked."""
-    lower, upper = np.zeros(arm.nv), np.full(arm.nv, np.inf)
-    given = bounds if isinstance(bounds, Mapping) else dict.fromkeys(arm.joint_names, bounds or (None, None))
-    for joint, ends in given.items():
-        if joint not in arm.joint_names:
-            known = ", ".join(arm.joint_names)
-            raise ParameterError("bounds", f"'{joint}' is not a joint of {arm.name}; its joints: {known}")
-        try:
-            low, high = (
-                fallback if end is None else float(end) for end, fallback in zip(ends, (0.0, np.inf), strict=True)
-            )
-        except (TypeError, ValueError):
-            raise ParameterError("bounds", f"{ends!r} given for joint '{joint}', (least, largest) expected") from None
-        if not (0.0 <= low <= high) or high == 0.0 or np.isinf(low):
-            raise ParameterError("bounds", f"{low:g}:{high:g} for joint '{joint}': no positive m̄ lies between")
-        lower[arm.joint_names.index(joint)], upper[arm.joint_names.index(joint)] = low, high
-    if form == "scalar" and lower.max() > upper.min():
-        raise ParameterError("bounds", f"no single m̄ lies between {lower.max():g} and {upper.min():g}")
-    return Bounds(lower, upper, form)
 
 
 def _infeasible(

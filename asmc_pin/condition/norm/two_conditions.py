@@ -13,6 +13,7 @@ from asmc_pin._typing import Array
 from asmc_pin.condition.norm import compiled_norms
 from asmc_pin.errors import NotPositiveDefinite, ParameterError
 from asmc_pin.words.choices import Condition as Condition
+from asmc_pin.words.units import LARGEST, SMALLEST
 
 CONDITIONS: tuple[Condition, ...] = get_args(Condition)
 
@@ -89,10 +90,14 @@ def _figure(kind: int, mass: Array, mbar: Array) -> Array:
 
 
 def _positive(mbar: Array) -> None:
-    bad = np.argwhere(~(np.isfinite(mbar) & (mbar > 0.0)))
-    if bad.size:
-        index = tuple(int(i) for i in bad[0])
-        raise ParameterError("mbar", f"{mbar[index]:g} at index {index[-1]}: every entry must be positive and finite")
+    for fits, expected in (
+        (np.isfinite(mbar) & (mbar > 0.0), "positive and finite"),
+        ((mbar >= SMALLEST) & (mbar <= LARGEST), f"between {SMALLEST:g} and {LARGEST:g} kg·m²"),
+    ):
+        bad = np.argwhere(~fits)
+        if bad.size:
+            index = tuple(int(i) for i in bad[0])
+            raise ParameterError("mbar", f"{mbar[index]:g} at index {index[-1]}: every entry must be {expected}")
 
 
 def check_mbar(mbar: object, nv: int) -> Array:

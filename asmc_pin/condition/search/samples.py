@@ -14,7 +14,7 @@ from asmc_pin._typing import Array, IntArray
 from asmc_pin.condition.domain.base_branches import branch_of, branches
 from asmc_pin.condition.domain.joint_box import Box, BoxLike, resolve_box
 from asmc_pin.condition.norm import compiled_norms
-from asmc_pin.errors import NotPositiveDefinite
+from asmc_pin.errors import NotPositiveDefinite, ParameterError
 from asmc_pin.rigid_body.mass_matrix import mass_matrices
 from asmc_pin.rigid_body.recursion import Links, links_of
 from asmc_pin.rigid_body.tree import Tree
@@ -26,6 +26,9 @@ NORM = {"lemma1": compiled_norms.LEMMA1, "weighted": compiled_norms.WEIGHTED}
 SCALE = {"lemma1": compiled_norms.LEMMA1_SCALE, "weighted": compiled_norms.WEIGHTED_SCALE}
 
 _CHUNK = 4096
+
+MOST_SAMPLES = 2**24
+"""Of a box; more take more memory than they add to what a search finds, which a proof should rather settle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +96,12 @@ def sample_box(box: Box, count: int, seed: int) -> Array:
 
     Returns:
         Shape (count, nv).
+
+    Raises:
+        ParameterError: No such number of points is taken.
     """
+    if not isinstance(count, int | np.integer) or not 1 <= count <= MOST_SAMPLES:
+        raise ParameterError("samples", f"{count!r} given, a whole number from 1 to {MOST_SAMPLES} expected")
     q = np.tile(box.centre, (count, 1))
     free = np.flatnonzero(box.free)
     if free.size:

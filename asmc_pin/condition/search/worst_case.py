@@ -16,7 +16,6 @@ from asmc_pin.condition.domain.base_branches import branches
 from asmc_pin.condition.norm import compiled_norms
 from asmc_pin.condition.search import compiled_climb
 from asmc_pin.condition.search.samples import Domain, figures_at, sample_box
-from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
     pass
@@ -94,8 +93,6 @@ def maximise(
     Returns:
         What was found.
     """
-    if samples < 1:
-        raise ParameterError("samples", f"{samples} given, at least 1 expected")
     box, size = domain.box, domain.joints.size
     q = sample_box(box, samples, seed)
     lower, upper = domain.armature_lower, domain.armature_upper

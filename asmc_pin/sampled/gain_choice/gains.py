@@ -25,7 +25,7 @@ from asmc_pin.sampled.gain_choice.noise_budget import NoiseBudget, budget_of, fi
 from asmc_pin.sampled.gain_choice.pid_tuning import is_pid
 from asmc_pin.sampled.gain_choice.stored_pid import pid_loop
 from asmc_pin.sampled.loop_analysis import examine, loop_for, spaces_of
-from asmc_pin.sampled.noise.sensor_model import LoopSensor
+from asmc_pin.sampled.noise.sensor_model import LoopSensor, nonnegative_per_joint
 from asmc_pin.sampled.sampled_loop import Acceleration, Pairing, SampledLoop
 from asmc_pin.sampled.workspace_worst import Workspace
 from asmc_pin.words.units import check_delay
@@ -111,6 +111,8 @@ def suggest_gains(
         ParameterError: a value cannot be used; the message says what to change.
     """
     ranges: dict[str, Any] = {"payload": payload, "armature": armature, "lock": lock}
+    speed = nonnegative_per_joint("speed", speed, arm.nv, "rad/s")
+    coulomb = None if coulomb is None else nonnegative_per_joint("coulomb", coulomb, arm.nv, "N·m")
     plain = None
     if law is not None:
         checked_law(law)
@@ -147,10 +149,7 @@ def suggest_gains(
                 "is for PPC with velocity by difference, pairing 'last', no filter; take these, and no other law",
             )
         unit = pid_loop(unit)
-    _check("gain_margin", gain_margin, 1.0)
-    _check("delay_margin", delay_margin, 0.0)
-    check_delay(delay_margin, period, "delay_margin")
-    asked = Margins((1.0 / gain_margin, float(gain_margin)), float(delay_margin))
+    asked = asked_margins(gain_margin, delay_margin, period)
     spaces = spaces_of(arms, samples=samples, seed=seed)
     budget = budget_of(noise_budget, sensor, spaces[-1])
     limit = None if budget is None else budget.limit
@@ -279,6 +278,23 @@ def _largest_drift(space: Workspace, speeds: Array) -> Array:
         return space.maximise(lambda points: rates(points)[:, joint], at_samples[:, joint])[0]
 
     return np.array([largest(joint) for joint in range(speeds.size)])
+
+
+def asked_margins(gain: float, delay: float, period: float) -> Margins:
+    """Margins as they are asked for, checked.
+
+    Args:
+        gain: Factor by which the torque gain may be off, at least 1.
+        delay: Delay that may come on top, periods.
+        period: Control period, s.
+
+    Raises:
+        ParameterError: a value cannot be used.
+    """
+    _check("gain_margin", gain, 1.0)
+    _check("delay_margin", delay, 0.0)
+    check_delay(delay, period, "delay_margin")
+    return Margins((1.0 / gain, float(gain)), float(delay))
 
 
 def _check(name: str, value: float, least: float) -> None:

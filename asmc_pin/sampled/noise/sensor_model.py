@@ -85,7 +85,7 @@ def loop_sensor(
         ParameterError: a value has a wrong size or sign, or is not finite.
     """
     spread = {
-        name: _spread(name, value, nv, unit)
+        name: nonnegative_per_joint(name, value, nv, unit)
         for name, value, unit in (
             ("angle_noise", angle_noise, "rad"),
             ("velocity_noise", velocity_noise, "rad/s"),
@@ -94,8 +94,8 @@ def loop_sensor(
     }
     count = np.zeros(nv)
     if encoder_bits is not None:
-        turns = _spread("gear", gear, nv, "turns of the encoder per turn of the joint")
-        bits = _spread("encoder_bits", encoder_bits, nv, "powers of 2")
+        turns = nonnegative_per_joint("gear", gear, nv, "turns of the encoder per turn of the joint")
+        bits = nonnegative_per_joint("encoder_bits", encoder_bits, nv, "powers of 2")
         for name, values in (("gear", turns), ("encoder_bits", bits)):
             if not (values > 0.0).all():
                 raise ParameterError(name, f"got {values.tolist()}; every value must be above 0")
@@ -114,7 +114,8 @@ def loop_sensor(
     )
 
 
-def _spread(name: str, value: ArrayLike, nv: int, unit: str) -> Array:
+def nonnegative_per_joint(name: str, value: ArrayLike, nv: int, unit: str) -> Array:
+    """A value of 0 or more per joint, from a scalar or nv values; a `ParameterError` where it is none."""
     try:
         values = np.array(np.broadcast_to(np.asarray(value, dtype=np.float64), (nv,)))
     except (TypeError, ValueError):
