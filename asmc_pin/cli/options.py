@@ -44,8 +44,20 @@ JsonOption: TypeAlias = Annotated[
 CertifyOption: TypeAlias = Annotated[
     bool, typer.Option("--certify", help="Prove it over the whole box, as far as the budget goes.")
 ]
+
+
+def _share(value: float) -> float:
+    """``--gap``, seen before anything is searched."""
+    if not 0.0 < value < 1.0:
+        raise typer.BadParameter(f"{value:g} given, a number between 0 and 1 expected")
+    return value
+
+
 GapOption: TypeAlias = Annotated[
-    float, typer.Option("--gap", help="Relative distance of the scales proven and refuted to be content with.")
+    float,
+    typer.Option(
+        "--gap", callback=_share, help="Relative distance of the scales proven and refuted to be content with."
+    ),
 ]
 
 

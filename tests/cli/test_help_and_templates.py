@@ -124,7 +124,7 @@ SEARCH = ("verify", "two_link", "--mbar")
         ((*SEARCH, "0.1", "--samples", "9" * 20), f"--samples: {'9' * 20} given", "from 1 to 16777216"),
         ((*SEARCH, "1e300"), "--mbar: 1e+300", "between 1e-50 and 1e+50"),
         ((*SEARCH, "0.1", "--certify", "--budget", "-1m"), "'-1m' given", "90s, 2m, 1h"),
-        ((*SEARCH, "0.1", "--certify", "--gap", "0"), "--gap: 0.0 given", "between 0 and 1"),
+        ((*SEARCH, "0.1", "--certify", "--gap", "0"), "'--gap': 0 given", "between 0 and 1"),
         ((*SEARCH, "0.1", "--payload", "1@tipp"), "--payload: no link 'tipp'", "'tip'"),
         (("bounds", "two_link", "--scale", "0"), "--scale: [0.0, 0.0] given", "from 1e-6"),
         ((*LOOP, "--beta", "1e308", "--period", "0.001"), "--beta: got [1e+308", "between 1e-50 and 1e+50"),
