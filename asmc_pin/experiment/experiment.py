@@ -242,7 +242,7 @@ class Experiment(Shown, ExperimentTables):
                 law.init(Sample(at_rest, at_rest.copy(), at_rest.copy()))
             except ParameterError as error:
                 problems.append(Mistake.of(f"controllers.{label}", error))
-            except Exception as error:
+            except (Exception, SystemExit) as error:  # a law that ends the process is no fault of ours
                 if not is_own(self.controllers[label]["law"]):
                     raise
                 problems.append(Mistake(f"controllers.{label}", f"init raised {type(error).__name__}: {error}"))

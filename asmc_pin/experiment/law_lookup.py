@@ -70,6 +70,10 @@ def _import(name: str, folder: Path, key: str) -> ModuleType:
             return importlib.import_module(name)
         except ModuleNotFoundError as error:
             if error.name is not None and name.startswith(error.name):
+                if name.endswith(".py"):
+                    raise ExperimentError(
+                        key, f"'{name}' is a file; a law is named by its module, '{name.removesuffix('.py')}:MyLaw'"
+                    ) from error
                 places = " and ".join(dict.fromkeys(map(str, (folder.resolve(), Path.cwd()))))
                 raise ExperimentError(
                     key,

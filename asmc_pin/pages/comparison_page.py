@@ -102,7 +102,14 @@ def _head(result: Result) -> Iterator[str]:
     experiment = result.experiment
     about, _ = simulated_arm(result)
     yield f"<h1>{for_html(experiment.name)}</h1>"
-    said = compared(_label_list(result), about, experiment.duration, experiment.period, result.summary)
+    said = compared(
+        _label_list(result),
+        about,
+        experiment.duration,
+        experiment.period,
+        result.summary,
+        experiment.ensemble.q0_deviation,
+    )
     yield f'<p class="lead">{for_html(said)}</p>'
     yield '<dl class="findings">'
     for heading, sentence in winners(result.summary):
@@ -110,7 +117,7 @@ def _head(result: Result) -> Iterator[str]:
     verdicts = mbar_verdicts(result.claims)
     question = f"Was {term_link('mbar', 'M̄')} allowed?"
     condition = f" ({term_link('lemma1', 'Lemma 1')})" if verdicts else ""
-    yield f"<dt>{question}</dt><dd>{for_html(allowed(verdicts))}{condition}</dd>"
+    yield f"<dt>{question}</dt><dd>{for_html(allowed(verdicts, result.summary.trial.nunique()))}{condition}</dd>"
     step = after_comparison(experiment, verdicts, experiment.name)
     yield f"<dt>What to do next</dt><dd>{for_html(step.what[:1].upper() + step.what[1:])}: "
     yield f"<code>{for_html(step.command)}</code></dd></dl>"
@@ -175,10 +182,11 @@ def _tables(result: Result) -> Iterator[str]:
     yield '<h2 id="summary">Comparison</h2>'
     yield f"<p>{for_html(table.title)} of each joint; the worst error of all, and the chatter of the torque.</p>"
     yield html(table)
+    read = figures_read(summary, result.experiment.ensemble.q0_deviation)
     refined = f" {UNCONVERGED}" if any(str(name).startswith(MOVED) for name in summary) else ""
     yield (
         '<p class="soft">Worst error: the largest of all joints over the run. Chatter: torque '
-        f"variation per second, summed over the joints. {for_html(figures_read(summary))}{for_html(refined)}</p>"
+        f"variation per second, summed over the joints. {for_html(read)}{for_html(refined)}</p>"
     )
     yield from _pairs(summary, html)
     tool = tool_table(summary)

@@ -61,6 +61,21 @@ def _cube(summary: pd.DataFrame, name: str) -> Array:
     return np.asarray(summary[name].to_numpy().reshape(shape))
 
 
+UNSEEN = 1e-5
+"""Deviation of the starts up to which nobody could tell them apart, rad (m): a fifth of a count of 17 bits."""
+
+
+def starts_words(deviation: float) -> str:
+    """How the starts of trials differ, to follow "trials from".
+
+    Args:
+        deviation: Standard deviation of q(0), rad (m).
+    """
+    if deviation <= UNSEEN:
+        return "starts that nobody could tell apart"
+    return f"starts with a standard deviation of {deviation:g} rad (m)"
+
+
 def alike(summary: pd.DataFrame) -> bool:
     """Whether all trials of each controller are the same to the last bit: as many runs as one, and no sample.
 

@@ -23,7 +23,8 @@ def remedy(critical: Critical, loop: SampledLoop) -> str:
         return (
             f"{'lower' if gains[1] <= 1.0 else 'raise'} β and K_s: {_stable(gains)} times these β and K_s with this M̄"
         )
-    none = "no β and K_s in this proportion are stable with this M̄"
+    # A search on a grid: a narrow range may lie between two of its values.
+    none = "no β and K_s in this proportion were found stable with this M̄"
     mbar = stable_range(critical, lambda x: loop.scaled(mbar=x), grid(1.0, 1.0 / _FURTHEST), grid(1.0, _FURTHEST))
     if mbar == NOWHERE:
         return f"{none}, nor these with any multiple of it: 'asmc-pin design --gains' looks for all three together"

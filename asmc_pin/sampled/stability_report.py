@@ -228,9 +228,10 @@ def _limit_lines(loop: SampledLoop, limits: LoopLimits) -> list[str]:
     )
     down = f"down to {rounded_up(low, 4)} times" if low > 0.0 else "down to nothing"
     return [
-        f"at L = {loop.period:g} s, β and K_s may grow together by {_times(high)}{alone}, and shrink together {down}",
-        f"with these gains L may be up to {rounded_down(limits.period, 4)} s",
-        f"margins: {margin_words(limits.gain_margin, limits.delay_margin, loop.period)}",
+        f"where searched, at L = {loop.period:g} s, β and K_s may grow together by {_times(high)}{alone}, and shrink "
+        f"together {down}",
+        f"where searched, with these gains L may be up to {rounded_down(limits.period, 4)} s",
+        f"margins, where searched: {margin_words(limits.gain_margin, limits.delay_margin, loop.period)}",
     ]
 
 

@@ -29,7 +29,7 @@ def summary_markdown(comparison: Comparison) -> str:
         markdown_table(table),
         "",
         "Worst error: the largest of all joints. Chatter: torque variation per second, summed over the joints. "
-        + figures_read(comparison.rows).replace("Marked:", "Bold:"),
+        + figures_read(comparison.rows, experiment.ensemble.q0_deviation).replace("Marked:", "Bold:"),
         *([] if comparison.refinement is None else [UNCONVERGED]),
         "",
         metric_tables_markdown(comparison.rows),

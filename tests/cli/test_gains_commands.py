@@ -95,7 +95,7 @@ def test_margins_that_cannot_be_had_are_status_0_with_those_that_can(asmc_pin):
     status, out, err = asmc_pin("design", "two_link", *options)
     assert status == 0, err
     assert "M̄ = " in out
-    assert "the margins asked for cannot be had: torque gain 0.03333 to 30, extra delay 1 periods" in out
+    assert "no gains with the margins asked for were found: torque gain 0.03333 to 30, extra delay 1 periods" in out
     assert "where searched: torque gain" in out
 
 

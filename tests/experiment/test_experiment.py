@@ -320,11 +320,21 @@ def test_a_law_of_ones_own_takes_its_own_parameters_and_those_shared_ones_that_i
         ({"law": "json:Law"}, "has no class 'Law'; nor any other class with a method 'step'"),
         ({"law": "my_law:NoLaw"}, "'my_law:NoLaw' is no control law: it has no method init and no step"),
         ({"law": "my_lav:MyLaw"}, "there is no module 'my_lav'; looked for my_lav.py in"),
+        ({"law": "my_law.py:MyLaw"}, "is a file; a law is named by its module, 'my_law:MyLaw'"),
         ({"law": "my_law:"}, "controllers.Mine.law: 'my_law:' is not of the form 'my_module:MyLaw'"),
     ],
 )
 def test_mistakes_about_a_law_of_ones_own_are_named(own, table, expected):
     assert expected in message_of(own_data(**table), folder=own)
+
+
+def test_a_law_whose_start_ends_the_process_is_a_mistake_of_the_experiment_and_no_fault_of_ours(own):
+    (own / "gone.py").write_text(
+        LAW.replace("def init(self, sample):", "def init(self, sample):\n        raise SystemExit(0)")
+    )
+    experiment = Experiment.from_dict(own_data(law="gone:MyLaw"), folder=own)
+    with pytest.raises(ExperimentError, match=r"controllers\.Mine: init raised SystemExit: 0"):
+        experiment.build_controllers()
 
 
 def test_a_folder_that_was_searched_is_named_once(own, monkeypatch):

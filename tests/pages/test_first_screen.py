@@ -71,7 +71,7 @@ def claims(**status: str) -> pd.DataFrame:
         (claims(A="held", B="held"), "Yes, for A and B", "not asked here"),
         (claims(A="broken", B="held"), "No, for A:", "As far as the run shows, for B"),
         (claims(A="broken"), "No, for A:", "promises nothing"),
-        (claims(A="not tested after"), "Not known to its end, for A", "up to where a trial diverged"),
+        (claims(A="not tested after"), "Not known to its end, for A", "until the trial diverged"),
         (claims(A="held", B="not tested after"), "As far as the run shows, for A", "Not known to its end, for B"),
         (claims(A="not applicable"), "Not known", "no law here has an M̄"),
         (None, "Not known", ""),
@@ -86,6 +86,19 @@ def test_an_mbar_is_called_allowed_along_the_motion_alone(rows, begins: str, nam
 def test_one_trial_that_diverged_takes_back_what_the_others_kept() -> None:
     rows = pd.concat([claims(A="held"), claims(A="not tested after"), claims(A="held")])
     assert "at every tick of this motion" not in allowed(mbar_verdicts(rows))
+
+
+def test_the_condition_is_judged_in_the_first_trial_and_said_of_no_other() -> None:
+    verdicts = mbar_verdicts(claims(A="held"))
+    assert allowed(verdicts, trials=16).startswith("Yes, for A: at every tick of the first of 16 trials")
+    assert "at every tick of this motion" in allowed(verdicts, trials=1)
+
+
+def test_starts_that_anybody_could_tell_apart_are_not_called_alike() -> None:
+    figures = summary({"A": 1.0 + NOISE, "B": 2.0 + NOISE})
+    assert "nobody could tell apart" in figures_read(figures, 1e-6)
+    assert "nobody could tell apart" not in figures_read(figures, 0.3)
+    assert "starts with a standard deviation of 0.3 rad (m)" in figures_read(figures, 0.3)
 
 
 def test_of_controllers_that_all_diverged_none_is_ahead() -> None:
@@ -104,7 +117,7 @@ def test_trials_that_are_all_alike_are_one_run_and_make_nothing_certain() -> Non
     assert said.endswith("Trials all alike: how sure that is, is not known.")
     assert paired(figures) == []
     assert pair_table(figures) is None
-    assert "how sure a figure is, is not known" in figures_read(figures)
+    assert "how sure a figure is, is not known" in figures_read(figures, 0.0)
     differs = figures.copy()
     differs.loc[3, "energy"] += 1e-12
     assert len(paired(differs)) == 3

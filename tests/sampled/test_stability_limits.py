@@ -266,3 +266,21 @@ def test_figures_show_the_boundary_and_the_loop_in_question(two_link: Arm) -> No
     assert island.mean(axis=0) == pytest.approx([0.5 * math.pi, 0.0], abs=0.1)
     with pytest.raises(ParameterError, match="joints: "):
         workspace_figure(two_link, loop, (1, 1), np.zeros(2))
+
+
+def test_a_range_of_gains_between_two_values_of_the_grid_is_not_denied(two_link: Arm) -> None:
+    """β = k_s = 6.4 1/s are stable here, and the search steps over them: it may say what it found, no more."""
+    loop = {"mbar": 0.016485, "period": 0.002, "acceleration": "position"}
+    assert stability(two_link, ks=6.43, beta=6.43, limits=False, **loop).stable  # type: ignore[arg-type]
+    report = stability(two_link, ks=30.0, beta=30.0, **loop)  # type: ignore[arg-type]
+    assert not report.stable
+    assert "were found stable" in report.remedy
+    assert "are stable with this M̄" not in report.remedy
+
+
+def test_limits_and_margins_say_that_they_were_searched_also_below_a_proof(two_link: Arm) -> None:
+    """ "What is proven stands below" the verdict, and so do they."""
+    lines = stability(two_link, 0.02, 5.0, 5.0, 0.001).lines()
+    told = [line for line in lines if "may" in line or "margins" in line]
+    assert len(told) == 3
+    assert all("where searched" in line for line in told)

@@ -224,7 +224,9 @@ def test_friction_that_only_some_trials_have_is_not_counted_on() -> None:
 
 def test_mbar_beyond_twice_the_inertia_has_no_gains_to_fall_back_to() -> None:
     (warning,) = gain_warnings(load_arm("ur5"), {"PPC": laws(mbar=4.0 * UR5_MBAR)["PPC"]})
-    assert f"no β and K_s in this proportion are stable with this M̄: {MBAR_REMEDY}; with these β and K_s" in warning
+    assert (
+        f"no β and K_s in this proportion were found stable with this M̄: {MBAR_REMEDY}; with these β and K_s" in warning
+    )
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ import asmc_pin
 from asmc_pin.controllers import CONTROLLERS
 from asmc_pin.errors import ExperimentError, ParameterError, ResultError
 from asmc_pin.experiment import load_experiment
+from asmc_pin.pages.tunings.tune_tables import pair_rows
 from asmc_pin.sampled import stability
 from asmc_pin.statistics.rank_tests import probability_of_improvement
 from asmc_pin.sweeping.trial_runs import TrialOutcome
@@ -148,6 +149,16 @@ def test_the_winner_keeps_a_limit_that_more_accurate_candidates_break(tuned, tmp
     assert held.keeps_limits
     assert held.errors[held.winner] > free.errors[free.winner]
     assert np.any(~held.within & (held.errors < held.errors[held.winner]))
+
+
+def test_who_is_better_and_kept_no_limit_is_told_with_that(tuned):
+    """Else it would look as if a law were better by fair means."""
+    first, *others = tuned.findings.controllers
+    loose = dataclasses.replace(first, within=np.zeros_like(first.within))
+    rows = pair_rows(dataclasses.replace(tuned.findings, controllers=[loose, *others])).rows
+    for row, fair in zip(rows, pair_rows(tuned.findings).rows, strict=True):
+        assert fair[:2] == [cell.removesuffix(" (over a limit)") for cell in row[:2]]
+        assert all(cell.endswith(" (over a limit)") == cell.startswith(first.shown) for cell in row[:2])
 
 
 def test_each_limit_is_about_its_own_figure_and_that_of_a_rate_is_the_largest_step_over_the_period():

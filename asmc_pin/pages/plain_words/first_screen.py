@@ -10,7 +10,16 @@ import pandas as pd
 from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.metrics import METRICS
 from asmc_pin.pages.tables.text_table import number
-from asmc_pin.results.ensemble_summary import alike, ends, failed_words, failures, figures_by_trial, labels_of, paired
+from asmc_pin.results.ensemble_summary import (
+    alike,
+    ends,
+    failed_words,
+    failures,
+    figures_by_trial,
+    labels_of,
+    paired,
+    starts_words,
+)
 from asmc_pin.statistics.joint_mean import joint_mean
 from asmc_pin.statistics.order_statistics import spread_of
 from asmc_pin.statistics.pairwise import PairedComparison
@@ -23,11 +32,13 @@ _AT = {
 """What the smallest figure of a metric means to a person, and what the figure is; others by their own title."""
 
 
-def compared(labels: list[str], about: Premises, duration: float, period: float, summary: pd.DataFrame) -> str:
+def compared(
+    labels: list[str], about: Premises, duration: float, period: float, summary: pd.DataFrame, deviation: float
+) -> str:
     """One sentence: which controllers, on which arm, for how long."""
     who = f"{_listed(labels)} followed" if len(labels) > 1 else f"{labels[0]} alone followed"
     trials = summary.trial.nunique()
-    starts = "all alike" if alike(summary) else "from starts that nobody could tell apart"
+    starts = "all alike" if alike(summary) else f"from {starts_words(deviation)}"
     each = f"; each ran {trials} times, {starts}" if trials > 1 else "; each ran once"
     return (
         f"{who} the same motion in simulation, {duration:g} s of it, on {about.title}, with a torque every "
@@ -61,8 +72,13 @@ def mbar_verdicts(claims: pd.DataFrame | None) -> dict[str, str]:
     }
 
 
-def allowed(verdicts: Mapping[str, str]) -> str:
-    """Whether the M̄ of each controller was allowed along the motion, in one or two sentences."""
+def allowed(verdicts: Mapping[str, str], trials: int = 1) -> str:
+    """Whether the M̄ of each controller was allowed along the motion, in one or two sentences.
+
+    Args:
+        verdicts: See `mbar_verdicts`; they are about the first trial.
+        trials: How many there are.
+    """
     if not verdicts:
         return "Not known: the result holds no check of it, or no law here has an M̄."
     broken = [label for label, verdict in verdicts.items() if verdict == "violated"]
@@ -73,9 +89,10 @@ def allowed(verdicts: Mapping[str, str]) -> str:
         said.append(f"No, for {_listed(broken)}: the condition was broken on the way, and the theory promises nothing.")
     if kept:
         begin = "As far as the run shows" if broken or short else "Yes"
-        said.append(f"{begin}, for {_listed(kept)}: at every tick of this motion the condition held.")
+        where = "this motion" if trials == 1 else f"the first of {trials} trials"
+        said.append(f"{begin}, for {_listed(kept)}: at every tick of {where} the condition held.")
     if short:
-        said.append(f"Not known to its end, for {_listed(short)}: the condition held up to where a trial diverged.")
+        said.append(f"Not known to its end, for {_listed(short)}: the condition held until the trial diverged.")
     if kept or short:
         said.append("Whether it holds at the other angles that the joints can take was not asked here.")
     return " ".join(said)

@@ -6,7 +6,7 @@ import pandas as pd
 
 from asmc_pin.metrics import METRICS
 from asmc_pin.pages.tables.text_table import Table, number
-from asmc_pin.results.ensemble_summary import alike, paired
+from asmc_pin.results.ensemble_summary import alike, paired, starts_words
 
 PAIRS_READ = (
     "Geometric mean over joints and trials of the better figure over the worse in the same trial, with the 95 % "
@@ -16,7 +16,7 @@ PAIRS_READ = (
 )
 
 
-def figures_read(summary: pd.DataFrame) -> str:
+def figures_read(summary: pd.DataFrame, deviation: float) -> str:
     """How the figures of a table are to be read, for the words beside it."""
     trials = summary.trial.nunique()
     tripped = " (under “trips”: never)" if summary.trip_time.notna().any() else ""
@@ -28,7 +28,7 @@ def figures_read(summary: pd.DataFrame) -> str:
             f"figure of a column. Dash: not defined{tripped}."
         )
     return (
-        f"Figures are medians of {trials} trials whose starts nobody could tell apart, with their 5 % … 95 % where "
+        f"Figures are medians of {trials} trials from {starts_words(deviation)}, with their 5 % … 95 % where "
         "that differs: numerical sensitivity for this plant and these gains. A trial that diverged counts as worse "
         "than any figure. Marked: the best figure of a column, where its paired ratio to every other excludes 1. "
         f"Dash: not defined{tripped}, or most trials diverged."

@@ -12,6 +12,9 @@ from asmc_pin.pages.sweeps.sweep_tables import AT_LEAST, spread_text, unit_on
 from asmc_pin.pages.tables.text_table import Table, number
 from asmc_pin.pages.tunings.tune_findings import TunedController, TuneFindings
 
+OVER = " (over a limit)"
+"""Beside what was found of a controller none of whose candidates kept the limits."""
+
 HOW_JUDGED = (
     f"Train: geometric mean over joints and training trials ({AT_LEAST}). Held out: median, and in brackets the 5 % "
     "and 95 % quantiles, of trials that no gain was chosen on; a run that failed is worse than any figure (∞) and "
@@ -36,7 +39,7 @@ def result_table(findings: TuneFindings) -> Table:
     header.append("tuned / file")
     rows = []
     for item in findings.controllers:
-        train = number(float(item.errors[item.winner])) + ("" if item.keeps_limits else " (over a limit)")
+        train = number(float(item.errors[item.winner])) + ("" if item.keeps_limits else OVER)
         change = f"{number(item.change.ratio)} [{number(item.change.low)}, {number(item.change.high)}]"
         share = f"{item.failed} of {item.held_out.size}"
         rows.append(
@@ -69,11 +72,12 @@ def gains_table(findings: TuneFindings) -> Table:
 
 
 def pair_rows(findings: TuneFindings) -> Table:
-    """Every pair of tuned controllers, held out."""
+    """Every pair of tuned controllers, held out; who kept no limit is marked, since that may be why it is better."""
+    kept = {item.shown: item.shown + ("" if item.keeps_limits else OVER) for item in findings.controllers}
     rows = [
         [
-            each.better,
-            each.worse,
+            kept[each.better],
+            kept[each.worse],
             f"{number(each.ratio)} [{number(each.low)}, {number(each.high)}]",
             number(each.p),
             f"{100.0 * each.improvement:.0f} %",

@@ -169,7 +169,7 @@ class GainDesign(Shown):
             return [f"{title}: no gains of {self.law} that were tried have these margins: {asked}{self._quiet()}", mbar]
         if self.report is None or self.reached is None or self.expected is None:
             return [
-                f"{title}: no β and k_s are stable, with this M̄ or less of it",
+                f"{title}: no β and k_s were found stable, with this M̄ or less of it",
                 mbar,
                 *self.why,
                 *self._armature_line(),
@@ -190,7 +190,7 @@ class GainDesign(Shown):
             f"margins, at rest under gravity and of the inertia alone, where searched: {reached}",
         ]
         if not self.met:
-            said.append(f"the margins asked for cannot be had: {asked}")
+            said.append(f"no gains with the margins asked for were found: {asked}")
         if not self.useful:
             constant = rounded_up(1.0 / float(self.loop.ks.min()), 3)
             said.append(f"of no use: errors die with a time constant of 1/k_s = {constant} s")

@@ -75,7 +75,7 @@ def pid_yaml(design: GainDesign, arm: Arm) -> str:
         f"beta = {float(loop.beta[0])!r} 1/s, K_s = {float(loop.ks[0])!r} 1/s, L = {loop.period!r} s",
         "margins of this PID's own map, at rest under gravity and of the inertia alone, where searched:",
         f"  {margin_words(design.reached.gain, design.reached.delay, loop.period)}",
-        *([] if design.met else ["  those asked for cannot be had"]),
+        *([] if design.met else ["  those asked for were not found"]),
         f"nothing is proven of this loop: {_why_unproven(loop)}",
         "It holds for",
         "- commands that are the whole effort: where the robot adds gravity itself, its loop is another;",
