@@ -88,7 +88,9 @@ def test_page_states_condition_arm_hash_bounds_method_and_worst_configuration(ur
     assert "not a proof" in text
     assert "payload 0.5 kg" in text
     assert "unrefuted" in text.splitlines()[0]
-    assert all((tmp_path / name).is_file() for name in re.findall(r"\]\((\S+\.png)\)", text))
+    pictures = re.findall(r"\]\(<(.+?)>\)", text)
+    assert len(pictures) == 2
+    assert all((tmp_path / name).is_file() for name in pictures)
     assert f"{report.worst_q[3]:.6f}" in text
 
 
