@@ -63,6 +63,8 @@ def read_variant(
     Raises:
         ParameterError: Something is not a number, or has the wrong size.
     """
+    if lock is not None and not isinstance(lock, Mapping):
+        raise ParameterError("lock", f"{lock!r} given, joint to angle expected, as a dictionary")
     return Variant(
         payload=as_payload(payload),
         armature=_armature(armature),

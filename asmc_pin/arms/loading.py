@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,7 @@ from asmc_pin.arms.sources.robot_files import RobotFiles
 from asmc_pin.arms.urdf.estimated_inertia import EstimateInertia, read_estimate, with_estimated_inertia
 from asmc_pin.arms.urdf.urdf_document import read_document
 from asmc_pin.arms.urdf.urdf_reading import read_robot
+from asmc_pin.errors import ArmError
 
 
 def load_arm(
@@ -94,6 +96,8 @@ def recipe_of(
     **options: Any,
 ) -> Recipe:
     """What `load_arm` makes an arm of, read and not judged; arguments as there."""
+    if not isinstance(source, str | os.PathLike):
+        raise ArmError(str(source), f"{source!r} given, an arm's name or the path of a URDF expected")
     path, entry = find(source)
     variant = read_variant(**options)
     files = RobotFiles(path.resolve().parent, read_packages(package), package_shares())

@@ -28,6 +28,7 @@ from asmc_pin.condition.premises import hypotheses_of
 from asmc_pin.condition.search.samples import NORM
 from asmc_pin.condition.search.what_would_help import what_would_help
 from asmc_pin.condition.search.worst_case import SAMPLES, STARTS, maximise
+from asmc_pin.errors import ParameterError
 
 if TYPE_CHECKING:
     from asmc_pin.arms import Arm
@@ -118,11 +119,18 @@ def verify(
     all_cases = cases(arm, box, payload, armature, lock)
     first = all_cases[0].domain
     values = check_mbar(mbar, first.arm.nv)
+    if along is None and tube_width is not None:
+        raise ParameterError("tube_width", "is around a motion; give the motion with along")
+    for name, count, least in (("starts", starts, 0), ("threads", threads, 1)):
+        if not isinstance(count, int | np.integer) or count < least:
+            raise ParameterError(name, f"{count!r} given, a whole number of at least {least} expected")
     error = None
     if along is None:
         outcome = _over_box(all_cases, values, condition, samples, starts, seed, threads)
     else:
         if isinstance(along, str | Path):
+            if not Path(along).exists():
+                raise ParameterError("along", f"{along}: no such file; an experiment goes as load_experiment(…)")
             along = read_recording(along, first.arm)
         motion = motion_of(along, first.arm.nv, period=period, duration=duration)
         check_units(first.arm, along, motion)

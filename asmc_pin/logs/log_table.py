@@ -43,7 +43,9 @@ def read_table(path: Path, fail: Fail) -> Any:
     """
 
     def wrong(message: str) -> AsmcPinError:
-        return fail(f"{shown(path)} cannot be read: {message.removeprefix(f'{shown(path)}: ')}")
+        return fail(
+            f"{shown(path)} cannot be read: {message.removeprefix(f'{shown(path)}: ').removeprefix('cannot be read ')}"
+        )
 
     data = read_file(path, LARGEST, "a recording", wrong)
     if data[:2] == _GZIP:

@@ -21,7 +21,7 @@ from asmc_pin.condition.domain.arm_ranges import ArmatureRange, Case, LockChoice
 from asmc_pin.condition.domain.joint_box import Box, BoxLike
 from asmc_pin.condition.hypotheses import Premises
 from asmc_pin.condition.premises import ends_of, premises_of, worst_keys
-from asmc_pin.condition.search.samples import sample_box
+from asmc_pin.condition.search.samples import check_seed, sample_box
 from asmc_pin.words.text import printable
 
 if TYPE_CHECKING:
@@ -95,6 +95,7 @@ class FrozenArms:
         """Low-discrepancy configurations, each on an arm at the ends of the ranges, shape (count, 2nv + 3)."""
         # M does not depend on a joint that carries the whole arm; gravity does.
         box = replace(self.box, idle=np.zeros_like(self.box.idle)) if gravity else self.box
+        check_seed(seed)
         which = np.random.default_rng(seed)
         # As often all joints at one end of the armature as each at its own.
         ends = which.integers(0, 2, (count, self.nv))

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.domain.joint_box import BoxLike
+from asmc_pin.numerics.float_range import LARGEST
 from asmc_pin.sampled.frozen_arms import FrozenArms, frozen_arms
 from asmc_pin.sampled.law_loops import law_loops
 from asmc_pin.sampled.loop_analysis import remedy_of, spaces_of
@@ -94,7 +95,8 @@ def gain_warnings(
     searched = [_searched(words, each, box, friction) for words, each in arms.items()]
     found = [_about_loop(item.title, item.loop, searched) for item in loops]
     for item in loops:
-        layers = {label: replace(item.loop, beta=item.loop.beta + slope) for label, slope in item.layers.items()}
+        inside = {label: np.minimum(item.loop.beta + slope, LARGEST) for label, slope in item.layers.items()}
+        layers = {label: replace(item.loop, beta=beta) for label, beta in inside.items()}
         found += [_about_layer(label, loop, searched) for label, loop in layers.items()]
         found += [_about_band(label, loop, searched) for label, loop in item.bands.items()]
     return [warning for warning in found if warning]

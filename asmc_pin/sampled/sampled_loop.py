@@ -16,11 +16,11 @@ from asmc_pin.controllers import TdeLaw, parameters_of
 from asmc_pin.controllers.law_registry import law_name
 from asmc_pin.controllers.linear_form import NEARER, LinearForm, linear_form
 from asmc_pin.errors import ParameterError
+from asmc_pin.numerics.float_range import LARGEST, SMALLEST
 from asmc_pin.words.choices import Acceleration as Acceleration
 from asmc_pin.words.choices import Pairing as Pairing
 from asmc_pin.words.choices import Velocity as Velocity
 from asmc_pin.words.joint_units import listed_with_units
-from asmc_pin.words.units import LARGEST, SMALLEST
 
 _SAME_DELAY = 1e-9  # periods
 
@@ -88,6 +88,10 @@ class SampledLoop:
             if not (_is_number(getattr(self, name)) and getattr(self, name) >= 0.0):
                 raise ParameterError(name, f"got {getattr(self, name)!r}; expected a number of periods, 0 or more")
 
+        if self.law is not None and not hasattr(self.law, "step"):
+            raise ParameterError(
+                "law", f"{self.law!r} given, a law expected, such as CONTROLLERS['dob'](…); ppc is none"
+            )
         if self.law is not None and not _linear_near(self.law, self.nv):
             hint = getattr(self.law, "linear_with", "")
             raise ParameterError(

@@ -21,9 +21,6 @@ LONGEST_PERIOD = 1.0
 SHORTEST_PERIOD = 1e-9
 """s; no computer controls an arm as fast, and squares of a shorter one are soon below what a float has."""
 
-SMALLEST, LARGEST = 1e-50, 1e50
-"""Of M̄, K_s and β in SI units; products of figures beyond are none that a float has."""
-
 SHORTEST_DELAY = 0.05
 """Periods; below it a delay does not show, and is more likely in seconds."""
 

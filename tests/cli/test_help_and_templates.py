@@ -6,6 +6,7 @@ import shlex
 
 import pytest
 import typer
+from short_experiment import SHORT
 
 from asmc_pin import load_experiment
 from asmc_pin.cli.dispatch import app
@@ -149,6 +150,17 @@ def test_what_no_computation_takes_is_one_message_with_the_option_as_it_was_type
     assert given in line
     assert mends in line
     assert (tmp_path / "a_file").read_text() == "mine"
+
+
+@pytest.mark.parametrize("key", ["mbar", "ks", "beta"])
+def test_a_figure_of_an_experiment_whose_square_overflows_is_one_message_and_no_result(capsys, tmp_path, key):
+    file = tmp_path / "short.toml"
+    file.write_text(re.sub(rf"^{key} = .*$", f"{key} = 1e300", SHORT, count=1, flags=re.MULTILINE))
+    status, out, err = run(capsys, "compare", str(file), "--out", str(tmp_path / "out"))
+    assert (status, out) == (2, "")
+    assert f"{key}: " in err
+    assert "between 1e-50 and 1e+50" in err
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("words", [("0",), ("0.001", "--gain-margin", "0.5"), ("0.001", "--coulomb", "1,2,3")])

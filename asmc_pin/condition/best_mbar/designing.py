@@ -93,12 +93,12 @@ def design(
     for name, value, known in (("objective", objective, get_args(Objective)), ("form", form, get_args(Form))):
         if value not in known:
             raise ParameterError(name, f"'{value}' given, one of {', '.join(known)} expected")
-    if level is not None and not 0.0 < level < 1.0:
-        raise ParameterError("level", f"{level:g} given, a norm between 0 and 1 expected")
+    if level is not None and not (isinstance(level, int | float | np.number) and 0.0 < level < 1.0):
+        raise ParameterError("level", f"{level!r} given, a norm between 0 and 1 expected")
     all_cases = cases(arm, box, payload, armature, lock)
     limits = read_bounds(all_cases[0].domain.arm, bounds, form)
-    if not budget > 0.0:
-        raise ParameterError("budget", f"{budget} given, a positive number of seconds expected")
+    if not (isinstance(budget, int | float | np.number) and budget > 0.0):
+        raise ParameterError("budget", f"{budget!r} given, a positive number of seconds expected")
     pace = Pace(budget, progress, clock, "least norm")
     blocks = blocks_of([case.domain for case in all_cases], limits, seed)
     least = exchange_all(blocks, condition, limits, pace=pace)

@@ -93,8 +93,9 @@ def certify(
         NotPositiveDefinite: M(q) is not positive definite somewhere.
     """
     condition = check_condition(condition)
-    _check("gap", gap, gap > 0.0 and gap < 1.0, "a number between 0 and 1")
-    _check("budget", budget, budget > 0.0, "a positive number of seconds")
+    number = int | float | np.number
+    _check("gap", gap, isinstance(gap, number) and 0.0 < gap < 1.0, "a number between 0 and 1")
+    _check("budget", budget, isinstance(budget, number) and budget > 0.0, "a positive number of seconds")
     _check("threads", threads, threads >= 1, "at least 1")
     if level is not None:
         _check("level", level, 0.0 < level <= 1.0, "a number above 0 and at most 1")

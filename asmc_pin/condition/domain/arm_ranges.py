@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -67,8 +68,13 @@ def cases(
         One case per payload that is looked at (`payload_ranges`) and lock choice.
 
     Raises:
-        ParameterError: A malformed or empty range, or an unknown joint.
+        ParameterError: No arm, a malformed or empty range, or an unknown joint.
     """
+    if not hasattr(arm, "mass_matrix"):
+        known = isinstance(arm, str | Path)
+        raise ParameterError("arm", f"{arm!r} given, an Arm expected" + (f": load_arm({str(arm)!r})" if known else ""))
+    if lock is not None and not isinstance(lock, Mapping):
+        raise ParameterError("lock", f"{lock!r} given, joint to one or more angles expected, as a dictionary")
     found = []
     for held, lock_label in _locked(arm, lock):
         for laden, load_label in carrying(held, payload):

@@ -125,6 +125,8 @@ def resolve_box(arm: Arm, box: BoxLike = None) -> Box:
 
 
 def _named(arm: Arm, box: Mapping[str, Sequence[float]]) -> tuple[Array, Array]:
+    if not isinstance(box, Mapping):
+        raise ParameterError("box", f"{box!r} given, joint to (lower, upper) expected, as a dictionary")
     given: dict[int, tuple[float, float]] = {}
     for joint, ends in box.items():
         if joint not in arm.joint_names:

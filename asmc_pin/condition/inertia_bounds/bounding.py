@@ -75,10 +75,10 @@ def bounds(
         ArmError: A prismatic joint has no range.
         NotPositiveDefinite: M(q) is not positive definite somewhere.
     """
-    for name, value, good in (("gap", gap, 0.0 < gap < 1.0), ("budget", budget, budget > 0.0)):
-        if not good or not np.isfinite(value):
+    for name, value, most in (("gap", gap, 1.0), ("budget", budget, np.inf)):
+        if not (isinstance(value, int | float | np.number) and 0.0 < value < most):
             expected = "a number between 0 and 1" if name == "gap" else "a positive number of seconds"
-            raise ParameterError(name, f"{value} given, {expected} expected")
+            raise ParameterError(name, f"{value!r} given, {expected} expected")
     all_cases = tuple(cases(arm, box, payload, armature, lock))
     first = all_cases[0].domain
     scale = _checked(scaling, first.arm.nv)

@@ -12,8 +12,8 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.condition.norm import compiled_norms
 from asmc_pin.errors import NotPositiveDefinite, ParameterError
+from asmc_pin.numerics.float_range import LARGEST, SMALLEST
 from asmc_pin.words.choices import Condition as Condition
-from asmc_pin.words.units import LARGEST, SMALLEST
 
 CONDITIONS: tuple[Condition, ...] = get_args(Condition)
 
@@ -120,7 +120,8 @@ def check_mbar(mbar: object, nv: int) -> Array:
     if values.ndim == 0:
         values = np.full(nv, values)
     if values.shape != (nv,):
-        raise ParameterError("mbar", f"{values.size} values given, {nv} expected: one per joint, base to tip")
+        given = f"{values.size} values" if values.ndim == 1 else f"shape {values.shape}"
+        raise ParameterError("mbar", f"{given} given, {nv} expected: one per joint, base to tip")
     _positive(values)
     values.setflags(write=False)
     return values

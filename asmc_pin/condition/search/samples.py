@@ -102,11 +102,22 @@ def sample_box(box: Box, count: int, seed: int) -> Array:
     """
     if not isinstance(count, int | np.integer) or not 1 <= count <= MOST_SAMPLES:
         raise ParameterError("samples", f"{count!r} given, a whole number from 1 to {MOST_SAMPLES} expected")
+    check_seed(seed)
     q = np.tile(box.centre, (count, 1))
     free = np.flatnonzero(box.free)
     if free.size:
         q[:, free] = box.lower[free] + _sobol(free.size, count, seed) * (box.upper - box.lower)[free]
     return q
+
+
+def check_seed(seed: int | None) -> None:
+    """None, which draws anew each time, or what a generator takes.
+
+    Raises:
+        ParameterError: It is neither.
+    """
+    if seed is not None and not (isinstance(seed, int | np.integer) and seed >= 0):
+        raise ParameterError("seed", f"{seed!r} given, a whole number of 0 or more expected")
 
 
 def _sobol(dimension: int, count: int, seed: int) -> Array:

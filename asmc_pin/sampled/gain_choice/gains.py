@@ -111,8 +111,9 @@ def suggest_gains(
         ParameterError: a value cannot be used; the message says what to change.
     """
     ranges: dict[str, Any] = {"payload": payload, "armature": armature, "lock": lock}
-    speed = nonnegative_per_joint("speed", speed, arm.nv, "rad/s")
-    coulomb = None if coulomb is None else nonnegative_per_joint("coulomb", coulomb, arm.nv, "N·m")
+    arms = frozen_arms(arm, box, **ranges)
+    speed = nonnegative_per_joint("speed", speed, arms.nv, "rad/s")
+    coulomb = None if coulomb is None else nonnegative_per_joint("coulomb", coulomb, arms.nv, "N·m")
     plain = None
     if law is not None:
         checked_law(law)
@@ -138,7 +139,6 @@ def suggest_gains(
         )
         if noise_budget is None and plain.report is not None and plain.report.noise is not None:
             noise_budget = plain.report.noise.torque_rms
-    arms = frozen_arms(arm, box, **ranges)
     timing: dict[str, Any] = {"acceleration": acceleration, "filter_hz": filter_hz, "delay": delay, "pairing": pairing}
     timing |= {} if sensor is None else sensor.timing
     unit = loop_for(arms.arm, mbar, 1.0, 1.0, period, **timing)
