@@ -1,5 +1,6 @@
 """Claims about what helps: examples in the help, templates to copy, and answers to what was nearly right."""
 
+import errno
 import json
 import re
 import shlex
@@ -200,3 +201,18 @@ def test_a_recording_with_semicolons_and_decimal_commas_is_read_as_one_with_comm
     said = [json.loads(run(capsys, *command, str(log))[1]) for log in (foreign, plain)]
     assert said[0] | {"seconds": 0.0} == said[1] | {"seconds": 0.0}
     assert said[0]["worst_q"] == [0.0, 0.5]
+
+
+@pytest.mark.parametrize("words", [("verify", "two_link", "--mbar", "0.01", "--samples", "64"), ("design", "two_link")])
+def test_a_page_for_which_there_is_no_room_takes_nothing_of_the_verdict(capsys, monkeypatch, tmp_path, words):
+    def full(path, *_args):
+        raise OSError(errno.ENOSPC, "No space left on device", str(path))
+
+    monkeypatch.setattr("asmc_pin.pages.condition_page.write_whole", full)
+    status, out, err = run(capsys, *words, "--report", str(tmp_path / "page.html"))
+    assert status == 2
+    found, whole = (re.sub(r"[\d.]+ s\b", "", said) for said in (out, run(capsys, *words)[1]))
+    assert found == whole
+    assert "Lemma 1" in found
+    assert "No space left on device" in err
+    assert "Traceback" not in err

@@ -92,7 +92,6 @@ def verify(
     if certify:
         options.pop("samples", None)
         found = condition_proof(loaded, values, found, certificate, gap=gap, budget=budget, **domain, **options)
-    write_page(found, loaded, page)
     if as_json:
         others = {item.label: item.to_json_dict() for item in low_passed}
         print_json(found.to_json_dict() | ({"low_passed": others} if others else {}))
@@ -102,6 +101,7 @@ def verify(
             say(item.line())
         _print_tde_error(options.get("along"), loaded, values)
         _say_next(context, found.verdict, proves=along is None or tube is not None, seen=seen, budget=budget)
+    write_page(found, loaded, page)  # last: a full disk takes nothing of what was found
     raise typer.Exit(EXIT[found.verdict])
 
 

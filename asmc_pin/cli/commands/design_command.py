@@ -91,7 +91,6 @@ def design(
         file = _beside(certificate) if asked is not None and certificate is not None else certificate
         check = condition_proof(loaded, list(found.check.mbar), found.check, file, **wanted, **domain)
         found = replace(found, check=check, verdict=check.verdict)
-    write_page(found, loaded, page)
     content, lines, refuted, open_question = found.to_json_dict(), found.lines(), False, False
     if asked is not None and found.mbar is not None:
         suggested = asked.suggest(loaded, found.mbar, sensor, box=ranges, **domain)
@@ -113,6 +112,7 @@ def design(
         say(*lines)
         short = found.verdict == "undecided" or open_question or bool(found.unfinished and found.seconds >= budget)
         _say_next(context, found, gains=gain.gains, certify=certify, longer=2.0 * budget if short else None)
+    write_page(found, loaded, page)  # last: a full disk takes nothing of what was found
     raise typer.Exit(1 if refuted else {"infeasible": 1, **EXIT}[found.verdict])
 
 
