@@ -55,7 +55,7 @@ def distribution_table(findings: SweepFindings, point: int | None) -> Table:
 
 def scan_table(findings: SweepFindings, path: str) -> Table:
     """How far each controller came along a scan."""
-    header = ["controller", "first failure at", "no failure up to the end"]
+    header = ["controller", "first failure at", "no failure seen up to the end"]
     rows = []
     axis = next(axis for axis in findings.experiment.variation.scans if axis.path == path)
     low, high = axis.scan or (math.nan, math.nan)
