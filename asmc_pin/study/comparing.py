@@ -41,6 +41,7 @@ from asmc_pin.study.summary_text import summary_markdown
 from asmc_pin.study.tool_rows import add_tool_columns, add_tool_error
 from asmc_pin.tool_error import ToolError, tool_error
 from asmc_pin.tool_path import tool_path
+from asmc_pin.words.given import check_experiment
 from asmc_pin.words.text import printable
 
 Progress = Callable[[str, float], None]
@@ -88,6 +89,7 @@ def compare(
         ExperimentError: a key does not fit the arm, or a law of one's own raised an exception.
         ArmError: the URDF cannot be used.
     """
+    check_experiment(experiment)
     folder = Path(out) if out is not None else Path("results") / experiment.name
     result_writing.check_target(folder, force)
     check_size(experiment)
