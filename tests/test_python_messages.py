@@ -4,12 +4,18 @@ import pytest
 
 from asmc_pin import (
     AsmcPinError,
+    agree,
     bounds,
     certify,
+    compare,
     design,
+    export,
+    identify,
     load_arm,
     stability,
     suggest_gains,
+    sweep,
+    tune,
     verify,
 )
 
@@ -76,3 +82,21 @@ def test_what_is_neither_a_name_nor_a_path_is_no_arm(source):
 def test_a_table_of_mbar_is_told_its_shape_and_not_that_two_are_not_two():
     with pytest.raises(AsmcPinError, match=r"shape \(1, 2\) given, 2 expected"):
         verify(ARM, [[0.1, 0.2]])
+
+
+@pytest.mark.parametrize(
+    "verb", [compare, tune, lambda name: sweep(name, 2), lambda name: export(name, "PPC", "out")], ids=range(4)
+)
+def test_the_name_of_an_experiment_in_its_place_is_answered_with_how_it_is_loaded(verb, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(AsmcPinError, match=r"'demo' given, an Experiment expected: load_experiment\('demo'\)"):
+        verb("demo")
+    with pytest.raises(AsmcPinError, match="None given, an Experiment expected; load_experiment makes one"):
+        verb(None)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("verb", [agree, lambda name: identify(name, "log.csv")], ids=["agree", "identify"])
+def test_verbs_about_an_arm_say_so_before_they_look_at_anything_else(verb):
+    with pytest.raises(AsmcPinError, match=r"load_arm\('two_link'\)"):
+        verb("two_link")

@@ -15,6 +15,7 @@ from asmc_pin.clock import Clock
 from asmc_pin.engine import rollout
 from asmc_pin.errors import NotComparableError, ParameterError
 from asmc_pin.plant import Friction, Plant
+from asmc_pin.words.given import check_arm
 
 SPEED = 2.0
 """Joint velocities are drawn from ±2 rad/s (m/s), or from within the declared limit where that is less."""
@@ -50,6 +51,7 @@ def agree(
         MissingDependencyError: MuJoCo is not installed; the message says how to install it.
         ParameterError: a parameter is out of its range.
     """
+    check_arm(arm)
     for name, value in (("configurations", configurations), ("runs", runs)):
         if value < 1:
             raise ParameterError(name, f"{value} given, at least 1 expected")

@@ -29,6 +29,7 @@ from asmc_pin.experiment.named_robot import trip_words
 from asmc_pin.metrics import first_trip
 from asmc_pin.plant import Plant
 from asmc_pin.words.choices import RealType, Target
+from asmc_pin.words.given import check_experiment
 from asmc_pin.words.shown import Shown
 
 MOTION_TICKS = 600
@@ -156,6 +157,7 @@ def export(
         ResultError: something is there that may not be replaced.
         CompilerError: a compiler is there and does not work.
     """
+    check_experiment(experiment)
     folder = Path(out)
     name = f"{slug(experiment.name)}_{slug(label)}"
     name = name if name[0].isalpha() else f"law_{name}"

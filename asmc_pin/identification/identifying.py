@@ -20,6 +20,7 @@ from asmc_pin.identification.torque_model import PAYLOAD, TorqueModel, torque_mo
 from asmc_pin.identification.weighted_fit import Fit, fit
 from asmc_pin.logs.joint_log import JointLog, read_log
 from asmc_pin.logs.log_options import LogOptions
+from asmc_pin.words.given import check_arm
 
 GROUPS = ("coulomb", "viscous", "stribeck", "armature", "payload", "torque_constant", "torque_offset", "delay")
 """What can be held at the URDF's value by `fix`."""
@@ -56,6 +57,7 @@ def identify(
     Raises:
         ParameterError: The log cannot be read or has no torque, an unknown group, or a joint that mimics another.
     """
+    check_arm(arm)
     for name in fix:
         if name not in GROUPS:
             raise ParameterError("fix", f"'{name}' given; expected some of {', '.join(GROUPS)}")

@@ -33,6 +33,7 @@ from asmc_pin.study.run_monitors import judge_theorems
 from asmc_pin.study.tool_rows import add_tool_columns, add_tool_error
 from asmc_pin.tool_error import ToolError, tool_error
 from asmc_pin.tool_path import tool_path
+from asmc_pin.words.given import check_experiment
 
 Each = Callable[[str, Rollout], None]
 """Shown all trials of a controller before they are let go."""
@@ -74,6 +75,7 @@ def compare(
         ExperimentError: a key does not fit the arm, or a law of one's own raised an exception.
         ArmError: the URDF cannot be used.
     """
+    check_experiment(experiment)
     folder = Path(out) if out is not None else Path("results") / experiment.name
     result_writing.check_target(folder, force)
     check_size(experiment)

@@ -19,6 +19,7 @@ from asmc_pin.sweeping.sweep_key import sweep_key
 from asmc_pin.sweeping.sweep_plan import SweepPlan, sweep_plan
 from asmc_pin.sweeping.sweep_result import Sweep
 from asmc_pin.sweeping.sweep_workers import block_results, cores
+from asmc_pin.words.given import check_experiment
 
 Progress = Callable[[str, float], None]
 """Told what is being done, and which share of all is done, 0 to 1."""
@@ -59,6 +60,7 @@ def sweep(
         ParameterError: an argument is out of range, or no cluster answers.
         MissingDependencyError: Dask is asked for and not installed.
     """
+    check_experiment(experiment)
     if workers is not None and dask is not None:
         raise ParameterError("workers", "processes of this machine and a Dask cluster given; expected one of them")
     if workers is not None and (isinstance(workers, bool) or int(workers) != workers or workers < 1):

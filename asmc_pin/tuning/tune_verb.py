@@ -22,6 +22,7 @@ from asmc_pin.tuning.controller_tuning import ControllerTuning, HeldOut
 from asmc_pin.tuning.fair_score import Judge
 from asmc_pin.tuning.tune_files import STUDIES, tuned_experiment, write_tuning
 from asmc_pin.tuning.tune_result import Tuned
+from asmc_pin.words.given import check_experiment
 
 BUDGET = 64
 """Candidates of each controller where nobody says."""
@@ -64,6 +65,7 @@ def tune(
         ExperimentError: nothing varies at random, a range or a limit does not fit, or a law of one's own raised.
         ParameterError: an argument is out of range.
     """
+    check_experiment(experiment)
     if isinstance(trials, bool) or int(trials) != trials or not 1 <= trials <= MOST_CANDIDATES:
         raise ParameterError("trials", f"{trials!r} given; expected a whole number from 1 to {MOST_CANDIDATES:,}")
     folder = Path(out) if out is not None else Path("results") / f"{experiment.name}-tune"

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -21,6 +20,7 @@ from asmc_pin.condition.domain.payload_ranges import PayloadRange as PayloadRang
 from asmc_pin.condition.domain.payload_ranges import carrying
 from asmc_pin.condition.search.samples import Domain
 from asmc_pin.errors import ParameterError
+from asmc_pin.words.given import check_arm
 from asmc_pin.words.text import printable
 
 if TYPE_CHECKING:
@@ -70,9 +70,7 @@ def cases(
     Raises:
         ParameterError: No arm, a malformed or empty range, or an unknown joint.
     """
-    if not hasattr(arm, "mass_matrix"):
-        known = isinstance(arm, str | Path)
-        raise ParameterError("arm", f"{arm!r} given, an Arm expected" + (f": load_arm({str(arm)!r})" if known else ""))
+    check_arm(arm)
     if lock is not None and not isinstance(lock, Mapping):
         raise ParameterError("lock", f"{lock!r} given, joint to one or more angles expected, as a dictionary")
     found = []
