@@ -7,11 +7,14 @@ from asmc_pin import (
     agree,
     bounds,
     certify,
+    check,
     compare,
     design,
     export,
     identify,
     load_arm,
+    load_experiment,
+    load_result,
     stability,
     suggest_gains,
     sweep,
@@ -100,3 +103,28 @@ def test_the_name_of_an_experiment_in_its_place_is_answered_with_how_it_is_loade
 def test_verbs_about_an_arm_say_so_before_they_look_at_anything_else(verb):
     with pytest.raises(AsmcPinError, match=r"load_arm\('two_link'\)"):
         verb("two_link")
+
+
+def test_a_folder_that_holds_a_result_is_answered_in_pythons_words(tmp_path):
+    (tmp_path / "mine.txt").write_text("mine")
+    for verb in (compare, lambda experiment, out: sweep(experiment, 1, out)):
+        with pytest.raises(AsmcPinError, match="give another folder with out=") as told:
+            verb(load_experiment("demo"), out=tmp_path)
+        assert "--" not in str(told.value)
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: load_experiment(None), "None given"),
+        (lambda: load_result(3), "3 given"),
+        (lambda: check(3), "3 given"),
+        (lambda: sweep(load_experiment("demo"), "x"), "'x' given"),
+        (lambda: export(load_experiment("demo"), "BSMC", None), "None given"),
+        (lambda: stability(ARM, 0.02, 5.0, 5.0, 0.001, limits=False, sensor="x"), "'x' given"),
+    ],
+)
+def test_what_is_no_name_number_or_sensor_is_answered_with_what_was_expected(call, said):
+    with pytest.raises(AsmcPinError, match=said):
+        call()

@@ -22,6 +22,7 @@ from asmc_pin.codegen.ros2_control import ros2_control_texts
 from asmc_pin.codegen.translation.c_words import slug
 from asmc_pin.controllers import TdeLaw
 from asmc_pin.disk.files import whole_folder
+from asmc_pin.disk.reading import user_path
 from asmc_pin.engine import Rollout, rollout
 from asmc_pin.errors import ExperimentError, ResultError
 from asmc_pin.experiment import Experiment
@@ -30,6 +31,7 @@ from asmc_pin.metrics import first_trip
 from asmc_pin.plant import Plant
 from asmc_pin.words.choices import RealType, Target
 from asmc_pin.words.given import check_experiment
+from asmc_pin.words.interface import flag_words, option_words
 from asmc_pin.words.shown import Shown
 
 MOTION_TICKS = 600
@@ -158,7 +160,7 @@ def export(
         CompilerError: a compiler is there and does not work.
     """
     check_experiment(experiment)
-    folder = Path(out)
+    folder = user_path(out)
     name = f"{slug(experiment.name)}_{slug(label)}"
     name = name if name[0].isalpha() else f"law_{name}"
     _check_target(folder, force)
@@ -256,14 +258,19 @@ def _checked(compiler: str, folder: Path, name: str, vectors: Vectors) -> tuple[
 
 def _check_target(folder: Path, force: bool) -> None:
     if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
-        raise ResultError(folder, f"{folder} is not a folder; give another one with --out")
+        raise ResultError(folder, f"{folder} is not a folder; give another one with {option_words('out')}")
     there: Sequence[Path] = sorted(folder.iterdir()) if folder.exists() else ()
     if not there:
         return
     ours = [path for path in there if path.name.endswith(("_vectors.csv", "_runner.c"))]
     if len(ours) < 2:
-        raise ResultError(folder, f"{folder} holds files that are no export, and is left alone; give another --out")
+        raise ResultError(
+            folder,
+            f"{folder} holds files that are no export, and is left alone; give another one with {option_words('out')}",
+        )
     if not force:
         raise ResultError(
-            folder, f"there is an export in {folder} already; --force replaces it, --out writes elsewhere"
+            folder,
+            f"there is an export in {folder} already; "
+            f"{flag_words('force')} replaces it, {option_words('out')} writes elsewhere",
         )

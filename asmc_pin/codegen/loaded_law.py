@@ -15,6 +15,7 @@ from asmc_pin._typing import Array
 from asmc_pin.codegen.c_compiler import CompilerError, compile_c, find_compiler
 from asmc_pin.codegen.exported_code import ABI
 from asmc_pin.controllers.protocol import Sample, Setpoint
+from asmc_pin.disk.reading import user_path
 from asmc_pin.errors import ParameterError, ResultError
 
 STATUSES = ("ok", "limited", "bad time", "bad input", "bad result", "fault")
@@ -157,7 +158,7 @@ def load_exported(folder: str | Path) -> LoadedLaw:
         ResultError: there is no export in it, or one of another ABI.
         CompilerError: there is no C compiler, or it fails.
     """
-    path = Path(folder)
+    path = user_path(folder)
     runners = sorted(path.glob("*_runner.c"))
     if len(runners) != 1:
         raise ResultError(path, f"{path} holds no export; give the folder of `asmc-pin export --out`")

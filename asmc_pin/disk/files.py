@@ -13,6 +13,7 @@ from typing import BinaryIO
 from asmc_pin.disk.file_access import cannot_write
 from asmc_pin.disk.sole_writer import NO_ROOM
 from asmc_pin.disk.unfinished import IN_WORK, beside, discard, locked, remove_leftovers, take_lock
+from asmc_pin.words.interface import option_words
 
 
 def write_whole(path: str | Path, content: str | bytes) -> None:
@@ -114,7 +115,7 @@ def whole_folder(path: Path, check: Callable[[], None] = lambda: None) -> Iterat
             lock = locked(made)
         except OSError as error:
             # Not the system's own words alone: they name a folder that nobody asked for.
-            raise cannot_write(path, error, "give another folder with --out") from error
+            raise cannot_write(path, error, f"give another folder with {option_words('out')}") from error
         try:
             yield made
             check()  # another run may have been quicker

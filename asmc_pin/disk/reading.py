@@ -10,7 +10,7 @@ import stat
 from collections.abc import Callable
 from pathlib import Path
 
-from asmc_pin.errors import AsmcPinError
+from asmc_pin.errors import AsmcPinError, ParameterError
 from asmc_pin.words.text import printable
 
 Fail = Callable[[str], AsmcPinError]
@@ -18,7 +18,13 @@ Fail = Callable[[str], AsmcPinError]
 
 
 def user_path(text: str | Path) -> Path:
-    """A path as a user writes it; ``~`` is the home folder, and stays as it is where nobody's is meant."""
+    """A path as a user writes it; ``~`` is the home folder, and stays as it is where nobody's is meant.
+
+    Raises:
+        ParameterError: It is neither text nor a path.
+    """
+    if not isinstance(text, str | os.PathLike):
+        raise ParameterError("path", f"{text!r} given, a path or a name expected")
     path = Path(text)
     try:
         return path.expanduser()

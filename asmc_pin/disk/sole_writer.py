@@ -10,6 +10,7 @@ from pathlib import Path
 
 from asmc_pin.disk.file_access import cannot_write
 from asmc_pin.errors import ResultError
+from asmc_pin.words.interface import option_words
 
 try:
     import fcntl
@@ -52,7 +53,9 @@ def _lock(descriptor: int, folder: Path) -> None:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         raise ResultError(
-            folder, f"another run is writing into {folder}; wait for its end, or give another folder with --out"
+            folder,
+            f"another run is writing into {folder}; "
+            f"wait for its end, or give another folder with {option_words('out')}",
         ) from None
     except OSError:
         return

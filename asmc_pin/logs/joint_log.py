@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from asmc_pin._typing import Array, BoolArray
-from asmc_pin.disk.reading import Fail
+from asmc_pin.disk.reading import Fail, user_path
 from asmc_pin.errors import ParameterError
 from asmc_pin.logs.bag_table import is_bag, read_bag
 from asmc_pin.logs.log_columns import clock_column, joint_columns
@@ -81,7 +81,7 @@ def read_log(
     def fail(message: str) -> ParameterError:
         return ParameterError("log", message)
 
-    path, options = Path(path), options or LogOptions()
+    path, options = user_path(path), options or LogOptions()
     bag = read_bag(path, joints, options, fail) if is_bag(path) else None
     if bag is None and options.topic is not None:
         raise ParameterError("topic", f"'{options.topic}' given, and {path.name} is no bag: only a bag has topics")

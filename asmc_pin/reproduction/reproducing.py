@@ -13,6 +13,7 @@ import numpy as np
 from asmc_pin._typing import Array
 from asmc_pin.condition import lemma1_norm
 from asmc_pin.disk.files import whole_folder, write_whole
+from asmc_pin.disk.reading import user_path
 from asmc_pin.engine import Rollout
 from asmc_pin.experiment import Experiment, load_experiment
 from asmc_pin.reproduction.error_bounds import limits
@@ -92,7 +93,7 @@ def reproduce(
         ResultError: something is there that may not be replaced.
     """
     wanted = known(names)
-    folder = Path(out)
+    folder = user_path(out)
     for name in wanted:
         result_writing.check_target(folder / name, force)
     tell = progress or (lambda _what, _share: None)

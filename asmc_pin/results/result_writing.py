@@ -12,6 +12,7 @@ from asmc_pin.disk.files import whole_folder
 from asmc_pin.disk.unfinished import remove_leftovers
 from asmc_pin.errors import ResultError
 from asmc_pin.results.result_folder import EXPERIMENT, PROVENANCE
+from asmc_pin.words.interface import flag_words, option_words
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -120,15 +121,20 @@ def check_target(path: Path, force: bool) -> None:
     """
     remove_leftovers(path)
     if path.is_symlink() or (path.exists() and not path.is_dir()):
-        raise ResultError(path, f"{path} is not a folder; give another one with --out")
+        raise ResultError(path, f"{path} is not a folder; give another one with {option_words('out')}")
     if not path.exists() or not any(path.iterdir()):
         return
     if not all((path / name).is_file() for name in (EXPERIMENT, PROVENANCE)):
         raise ResultError(
-            path, f"{path} holds files that are no result, and is left alone; give another folder with --out"
+            path,
+            f"{path} holds files that are no result, and is left alone; give another folder with {option_words('out')}",
         )
     if not force:
-        raise ResultError(path, f"there is a result in {path} already; --force replaces it, --out writes elsewhere")
+        raise ResultError(
+            path,
+            f"there is a result in {path} already; "
+            f"{flag_words('force')} replaces it, {option_words('out')} writes elsewhere",
+        )
 
 
 @contextmanager

@@ -84,6 +84,8 @@ def stability(
     """
     arms = frozen_arms(arm, box, payload=payload, armature=armature, lock=lock)
     timing: dict[str, Any] = {"acceleration": acceleration, "filter_hz": filter_hz, "delay": delay, "pairing": pairing}
+    if sensor is not None and not hasattr(sensor, "timing"):
+        raise ParameterError("sensor", f"{sensor!r} given, what loop_sensor makes expected")
     timing |= {"law": law, **({} if sensor is None else sensor.timing)}
     loop = loop_for(arms.arm, mbar, ks, beta, period, **timing)
     friction = None if viscous is None else _viscous(viscous, arms.nv)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from asmc_pin.disk.files import write_whole
+from asmc_pin.disk.reading import user_path
 from asmc_pin.disk.sole_writer import sole_writer
 from asmc_pin.errors import ParameterError, ResultError
 from asmc_pin.pages.benches.bench_figures import bench_plates
@@ -24,6 +25,7 @@ from asmc_pin.suites.cell_runs import CellResult, cell_key, run_cells, stored_ce
 from asmc_pin.suites.suite_reading import DEFAULT, Suite, load_suite
 from asmc_pin.sweeping.sweep_workers import cores
 from asmc_pin.tuning.fair_score import Judge
+from asmc_pin.words.interface import option_words
 
 Progress = Callable[[str, float], None]
 """Told what is being done, and which share of all is done, 0 to 1."""
@@ -67,7 +69,7 @@ def bench(
         raise ParameterError("workers", f"{workers!r} given; expected a whole number of processes, at least 1")
     chosen = load_suite(suite).part(quick=quick, arms=arms, tasks=tasks, laws=laws)
     name = chosen.name if chosen.whole else f"{chosen.name}-part"
-    folder = Path(out) if out is not None else Path("results") / name
+    folder = user_path(out) if out is not None else Path("results") / name
     tell = progress or (lambda _what, _share: None)
     tell("loading", 0.0)
     for arm in chosen.arms:  # what does not fit is said before anything is run
@@ -131,12 +133,14 @@ def findings_of(suite: Suite, cells: Sequence[CellResult]) -> BenchFindings:
 def _prepare(folder: Path) -> None:
     """Make the folder; refuse one whose files are no benchmark's."""
     if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
-        raise ResultError(folder, f"{folder} is not a folder; give another one with --out")
+        raise ResultError(folder, f"{folder} is not a folder; give another one with {option_words('out')}")
     try:
         names = {path.name for path in folder.iterdir()} if folder.exists() else set()
         if names and "cells" not in names:
             raise ResultError(
-                folder, f"{folder} holds files that are no benchmark, and is left alone; give another folder with --out"
+                folder,
+                f"{folder} holds files that are no benchmark, and is left alone; "
+                f"give another folder with {option_words('out')}",
             )
         (folder / "cells").mkdir(parents=True, exist_ok=True)
     except OSError as error:

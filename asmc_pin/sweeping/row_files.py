@@ -12,6 +12,7 @@ import pyarrow.parquet as pq
 from asmc_pin.disk.files import whole_file, write_whole
 from asmc_pin.errors import ResultError
 from asmc_pin.sweeping.sweep_plan import KEY, SweepPlan
+from asmc_pin.words.interface import option_words
 
 SHARDS, ROWS = "rows", "rows.parquet"
 ROW_GROUP = 65_536
@@ -77,7 +78,7 @@ def read_shards(plan: SweepPlan, folder: Path) -> Iterator[pa.Table]:
             raise ResultError(
                 path,
                 f"{path} has rows of another sweep, which was run in the same folder at the same time; give each a "
-                "folder of its own with --out, and start again",
+                f"folder of its own with {option_words('out')}, and start again",
             )
         yield table
 

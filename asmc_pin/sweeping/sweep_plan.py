@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -55,7 +56,7 @@ class SweepPlan:
 
     def __post_init__(self) -> None:
         for name, value in (("trials", self.draws), ("block", self.block)):
-            if isinstance(value, bool) or int(value) != value or value < 1:
+            if not isinstance(value, Real) or isinstance(value, bool) or value % 1 != 0 or value < 1:
                 raise ParameterError(name, f"{value!r} given; expected a whole number, at least 1")
         if self.trials > MOST_TRIALS:
             raise ParameterError("trials", f"{self.trials} in all; at most {MOST_TRIALS} are numbered")

@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from asmc_pin.disk.files import write_whole
+from asmc_pin.disk.reading import user_path
 from asmc_pin.disk.sole_writer import sole_writer
 from asmc_pin.errors import ParameterError, ResultError
 from asmc_pin.experiment import Experiment
@@ -20,6 +21,7 @@ from asmc_pin.sweeping.sweep_plan import SweepPlan, sweep_plan
 from asmc_pin.sweeping.sweep_result import Sweep
 from asmc_pin.sweeping.sweep_workers import block_results, cores
 from asmc_pin.words.given import check_experiment
+from asmc_pin.words.interface import flag_words, option_words
 
 Progress = Callable[[str, float], None]
 """Told what is being done, and which share of all is done, 0 to 1."""
@@ -65,7 +67,7 @@ def sweep(
         raise ParameterError("workers", "processes of this machine and a Dask cluster given; expected one of them")
     if workers is not None and (isinstance(workers, bool) or int(workers) != workers or workers < 1):
         raise ParameterError("workers", f"{workers!r} given; expected a whole number of processes, at least 1")
-    folder = Path(out) if out is not None else Path("results") / f"{experiment.name}-sweep"
+    folder = user_path(out) if out is not None else Path("results") / f"{experiment.name}-sweep"
     tell = progress or (lambda _what, _share: None)
     tell("loading", 0.0)
     plan = sweep_plan(experiment, trials, block, sweep_key(experiment))
@@ -119,16 +121,20 @@ def how_far(plan: SweepPlan, left: int, done: int, counted: int, seconds: float)
 def _check_folder(plan: SweepPlan, folder: Path, force: bool) -> None:
     """Refuse a folder whose files are no sweep's, or those of another one."""
     if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
-        raise ResultError(folder, f"{folder} is not a folder; give another one with --out")
+        raise ResultError(folder, f"{folder} is not a folder; give another one with {option_words('out')}")
     try:
         (folder / "rows").mkdir(parents=True, exist_ok=True) if not folder.exists() else None
         names = {path.name for path in folder.iterdir()}
         if names and not {"rows", result_folder.EXPERIMENT} & names:
             raise ResultError(
-                folder, f"{folder} holds files that are no sweep, and is left alone; give another folder with --out"
+                folder,
+                f"{folder} holds files that are no sweep, and is left alone; "
+                f"give another folder with {option_words('out')}",
             )
         if result_folder.TRAJECTORIES in names:
-            raise ResultError(folder, f"{folder} holds the result of a comparison; give another folder with --out")
+            raise ResultError(
+                folder, f"{folder} holds the result of a comparison; give another folder with {option_words('out')}"
+            )
         (folder / "rows").mkdir(exist_ok=True)
     except OSError as error:
         raise ResultError(folder, f"{folder} cannot be written: {error.strerror or error}") from error
@@ -138,12 +144,12 @@ def _check_folder(plan: SweepPlan, folder: Path, force: bool) -> None:
         raise ResultError(
             folder,
             f"{folder} holds rows of another experiment, URDF or version ({stale} files), which are not reused; "
-            "--force replaces them, --out writes elsewhere",
+            f"{flag_words('force')} replaces them, {option_words('out')} writes elsewhere",
         )
     beyond = [path for path in there if int(path.stem.split("-")[1]) >= plan.trials]
     if beyond and not stale and not force:
         raise ResultError(
             folder,
-            f"{folder} holds rows of more trials than the {plan.trials} asked for; --force removes them, "
-            "--out writes elsewhere",
+            f"{folder} holds rows of more trials than the {plan.trials} asked for; {flag_words('force')} removes them, "
+            f"{option_words('out')} writes elsewhere",
         )

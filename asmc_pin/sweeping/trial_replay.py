@@ -9,6 +9,7 @@ import numpy as np
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
+from asmc_pin.disk.reading import user_path
 from asmc_pin.errors import ParameterError
 from asmc_pin.experiment import Experiment
 from asmc_pin.metrics import METRICS
@@ -16,6 +17,7 @@ from asmc_pin.study import Comparison, compare
 from asmc_pin.sweeping.row_files import ROWS, key_of, shards_there
 from asmc_pin.sweeping.sweep_key import sweep_key
 from asmc_pin.sweeping.sweep_plan import FAILS_AT, TOOL, SweepPlan, sweep_plan
+from asmc_pin.words.interface import flag_words
 
 
 def replay(
@@ -46,7 +48,7 @@ def replay(
         ExperimentError: see `sweep`.
         ResultError: the replay cannot be written.
     """
-    folder = Path(out) if out is not None else Path("results") / f"{experiment.name}-sweep"
+    folder = user_path(out) if out is not None else Path("results") / f"{experiment.name}-sweep"
     plan = sweep_plan(experiment, trials, None, sweep_key(experiment))
     if not 0 <= trial < plan.trials:
         raise ParameterError("replay", f"{trial} given; the trials of this sweep are 0 to {plan.trials - 1}")
@@ -93,7 +95,7 @@ def _failing(plan: SweepPlan, folder: Path, trial: int, scan: tuple[float, float
     """The value nearest to a scan's start at which a controller failed; the scan's end if none did."""
     rows = _rows_of(plan, folder, trial)
     if rows is None:
-        there = f", only rows {_STALE}: sweep it again with --force" if _others(plan, folder) else ""
+        there = f", only rows {_STALE}: sweep it again with {flag_words('force')}" if _others(plan, folder) else ""
         told = f"trial {trial} is a scan, and {folder} has no rows of this sweep that say where{there}"
         raise ParameterError("replay", told)
     ends = np.array(rows[FAILS_AT], dtype=np.float64)

@@ -17,6 +17,7 @@ from asmc_pin.errors import ResultError
 from asmc_pin.study.law_study import quiet_optuna
 from asmc_pin.tuning.fair_score import Score
 from asmc_pin.tuning.search_space import SearchSpace
+from asmc_pin.words.interface import flag_words, option_words
 
 BATCH = 16
 """Settings that are proposed together, and run in one batch."""
@@ -141,7 +142,7 @@ class GainStudy:
             raise ResultError(
                 self._storage,
                 f"{self._storage.parent.parent} holds candidates of another experiment, URDF or version, which are not "
-                "reused; --force replaces them, --out writes elsewhere",
+                f"reused; {flag_words('force')} replaces them, {option_words('out')} writes elsewhere",
             )
         found = []
         for number, trial in enumerate(trials):

@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from asmc_pin.disk.files import write_whole
+from asmc_pin.disk.reading import user_path
 from asmc_pin.disk.sole_writer import sole_writer
 from asmc_pin.errors import ParameterError, ResultError
 from asmc_pin.experiment import Experiment
@@ -23,6 +24,7 @@ from asmc_pin.tuning.fair_score import Judge
 from asmc_pin.tuning.tune_files import STUDIES, tuned_experiment, write_tuning
 from asmc_pin.tuning.tune_result import Tuned
 from asmc_pin.words.given import check_experiment
+from asmc_pin.words.interface import option_words
 
 BUDGET = 64
 """Candidates of each controller where nobody says."""
@@ -68,7 +70,7 @@ def tune(
     check_experiment(experiment)
     if isinstance(trials, bool) or int(trials) != trials or not 1 <= trials <= MOST_CANDIDATES:
         raise ParameterError("trials", f"{trials!r} given; expected a whole number from 1 to {MOST_CANDIDATES:,}")
-    folder = Path(out) if out is not None else Path("results") / f"{experiment.name}-tune"
+    folder = user_path(out) if out is not None else Path("results") / f"{experiment.name}-tune"
     tell = progress or (lambda _what, _share: None)
     tell("loading", 0.0)
     points, judge = draws_of(experiment).grid_points, Judge(experiment)
@@ -135,12 +137,14 @@ def _file_name(label: str) -> str:
 def _prepare(folder: Path) -> None:
     """Make the folder; refuse one whose files are no tuning's."""
     if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
-        raise ResultError(folder, f"{folder} is not a folder; give another one with --out")
+        raise ResultError(folder, f"{folder} is not a folder; give another one with {option_words('out')}")
     try:
         names = {path.name for path in folder.iterdir()} if folder.exists() else set()
         if names and STUDIES not in names:
             raise ResultError(
-                folder, f"{folder} holds files that are no tuning, and is left alone; give another folder with --out"
+                folder,
+                f"{folder} holds files that are no tuning, and is left alone; "
+                f"give another folder with {option_words('out')}",
             )
         (folder / STUDIES).mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -33,6 +33,11 @@ def flag_words(option: str) -> str:
     ]
 
 
+def option_words(option: str) -> str:
+    """An option to which a value is given, as one speaks of it within a sentence."""
+    return f"--{option}" if _SPOKEN.get() == "command line" else f"{option}=…"
+
+
 def lock_words(locks: Mapping[str, float | str]) -> str:
     """How joints are locked, or freed by the word ``free``."""
     spoken = _SPOKEN.get()

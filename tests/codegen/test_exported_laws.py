@@ -248,7 +248,7 @@ def test_options_that_make_no_sense_are_named(options, named, tmp_path):
 def test_an_export_is_replaced_by_force_only_and_other_folders_never(tmp_path, monkeypatch):
     monkeypatch.setattr(exporting, "find_compiler", lambda: None)
     exported(tmp_path / "x", KINDS["ppc"])
-    with pytest.raises(asmc_pin.ResultError, match="--force"):
+    with pytest.raises(asmc_pin.ResultError, match="force=True"):
         exported(tmp_path / "x", KINDS["ppc"])
     exported(tmp_path / "x", KINDS["ppc"], force=True)
     (tmp_path / "mine").mkdir()

@@ -408,7 +408,7 @@ def test_one_experiment_can_be_reproduced_by_itself(tmp_path, data):
     assert (tmp_path / "out" / "reproduction.md").read_text(encoding="utf-8") == page(found.data, "figures")
     json.dumps(found.to_json_dict(), allow_nan=False)
     assert any("Table III" in line for line in found.lines())
-    with pytest.raises(ResultError, match="--force"):
+    with pytest.raises(ResultError, match="force=True"):
         reproduce([name], tmp_path / "out")
 
 

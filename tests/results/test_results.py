@@ -240,7 +240,7 @@ def test_a_result_that_appeared_meanwhile_is_not_overwritten(tmp_path):
             (made / "x").write_text("mine")
             old_result(out)
 
-    with pytest.raises(ResultError, match="--force"):
+    with pytest.raises(ResultError, match="force=True"):
         write_while_another_run_is_quicker()
     assert (out / result_folder.PROVENANCE).read_text() == "old"
     assert [path.name for path in tmp_path.iterdir()] == ["result"]

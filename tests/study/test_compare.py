@@ -229,7 +229,7 @@ def test_a_law_that_diverges_is_a_status_and_has_no_figures(tmp_path, unillustra
 def test_a_result_that_is_there_is_left_alone_unless_forced(done):
     comparison, _ = done
     before = digests(comparison.out)
-    with pytest.raises(ResultError, match=r"there is a result in .* already; --force replaces it"):
+    with pytest.raises(ResultError, match=r"there is a result in .* already; force=True replaces it"):
         compare(experiment_with(), out=comparison.out)
     assert digests(comparison.out) == before
 
@@ -240,7 +240,7 @@ def test_what_is_no_result_is_never_replaced(tmp_path):
     (tmp_path / "file").write_text("a file")
     (tmp_path / "link").symlink_to(tmp_path / "thesis")
     for name in ("thesis", "file", "link"):
-        with pytest.raises(ResultError, match="--out"):
+        with pytest.raises(ResultError, match="out="):
             compare(experiment_with(), out=tmp_path / name, force=True)
     assert (tmp_path / "thesis" / "chapter.tex").read_text() == "years of work"
 

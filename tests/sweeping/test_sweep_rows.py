@@ -173,7 +173,7 @@ def test_a_stale_row_is_refused_and_never_reused(whole, tmp_path):
     folder = tmp_path / "stale"
     shutil.copytree(whole[1], folder)
     other = tiny(seed=6)
-    with pytest.raises(ResultError, match="--force replaces them"):
+    with pytest.raises(ResultError, match="force=True replaces them"):
         sweep(other, 6, folder, workers=1, block=4)
     sweep(other, 6, folder, workers=1, block=4, force=True)
     sweep(other, 6, tmp_path / "fresh", workers=1, block=4)
@@ -268,7 +268,7 @@ def test_a_replay_beside_rows_of_another_version_says_that_it_is_not_held_agains
     assert replay(other, 6, 7, whole[1], warn=told.append) is made
     assert told == [f"{whole[1]} holds rows of another experiment, URDF or version; this run is not held against them"]
     scanned = tiny({"arm.payload": {"scan": [0.0, 8.0]}})
-    with pytest.raises(ParameterError, match=r"only rows of another experiment.* sweep it again with --force"):
+    with pytest.raises(ParameterError, match=r"only rows of another experiment.* sweep it again with force=True"):
         replay(scanned, 6, 1, whole[1])
 
 

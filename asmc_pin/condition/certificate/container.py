@@ -23,6 +23,7 @@ from typing import IO, Any
 import numpy as np
 
 from asmc_pin._typing import Array
+from asmc_pin.disk.reading import user_path
 from asmc_pin.errors import ResultError
 
 FORMAT = "asmc-pin certificate 1"
@@ -69,7 +70,7 @@ def read(path: str | Path) -> Container:
     Raises:
         ResultError: No such file, not a certificate, of another format, or larger than any certificate.
     """
-    source = Path(path)
+    source = user_path(path)
     try:
         members = _members(_bytes_of(source))
         header = json.loads(members["header"].tobytes().decode())

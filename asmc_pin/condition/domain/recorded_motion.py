@@ -11,6 +11,7 @@ import numpy as np
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.norm.two_conditions import check_mbar
+from asmc_pin.disk.reading import user_path
 from asmc_pin.errors import ParameterError
 from asmc_pin.logs.log_table import numbers, read_table
 from asmc_pin.words.text import printable
@@ -56,7 +57,7 @@ def read_recording(path: str | Path, arm: Arm) -> Recording:
     Raises:
         ParameterError: It cannot be read, a column is missing, or a row is malformed; the message names the line.
     """
-    path = Path(path)
+    path = user_path(path)
     table = read_table(path, _fail)
     columns = list(table.columns)
     clock = next((name for name in ("t", "time") if name in columns), None)
