@@ -72,6 +72,14 @@ def test_a_record_in_which_one_branch_halves_the_others_joint_is_broken() -> Non
             list(by_branch(record, parent))
 
 
+def test_one_bisection_of_all_joints_is_not_cut_into_branches() -> None:
+    parent = np.array([-1, 0, -1, 2])
+    # Halved across the branches, and in one of them alone.
+    for record in ([1, LEAF, 3, LEAF, LEAF], [1, LEAF, LEAF], [LEAF]):
+        ((joints, found),) = by_branch(np.array(record, dtype=np.uint8), parent)
+        assert (joints.tolist(), found.tolist()) == ([0, 1, 2, 3], record)
+
+
 def test_a_record_of_all_joints_together_as_it_was_written_before_is_read_too(pair: Arm, tmp_path: Path) -> None:
     box = {name: (0.1, 0.11) for name in pair.joint_names}
     proof = certify(pair, 0.2 * np.linalg.eigvalsh(pair.mass_matrix(np.full(6, 0.1)))[0], box=box, levels=False)

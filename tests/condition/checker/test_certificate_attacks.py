@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from asmc_pin.condition.certificate.container import FORMAT, digest, numbers
-from asmc_pin.condition.checker import CheckResult, check
+from asmc_pin.condition.checker import CheckResult, check, replay
 from asmc_pin.condition.checker.reading.header_parts import Load
 from asmc_pin.condition.checker.reading.link_chain import chain_of
 from asmc_pin.condition.checker.reading.urdf_text import Unreadable, description
@@ -237,6 +237,16 @@ def test_cases_that_would_multiply_are_counted_first(tmp_path: Path) -> None:
     cases = [case(urdf(), ((-1, -1), (1, 1 + 1e-6 * k)), {**HEAVY, "mass": 1.0 + k}) for k in range(300)]
     found = forged(tmp_path / "many.cert", urdf(), cases=cases)
     assert not found.valid
+
+
+def test_links_are_counted_over_all_different_arms_together(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    loads = [None, HEAVY, {**HEAVY, "mass": 2.0}]
+    cases = [case(urdf(), ((-1, -1), (1, upper)), load) for load in loads for upper in (1, 2)]
+    # Three arms of three links, each with two boxes.
+    for most, too_many in ((9, False), (8, True), (3, True)):
+        monkeypatch.setattr(replay, "_MOST_BODIES", most)
+        found = forged(tmp_path / "arms.cert", urdf(), cases=cases)
+        assert any(f"more than {most} links together" in problem for problem in found.problems) is too_many
 
 
 def test_a_box_with_too_many_corners_is_refused_and_not_laid_out(tmp_path: Path) -> None:

@@ -81,11 +81,13 @@ def test_locked_joints_and_slides_are_where_the_loader_has_them(tmp_path: Any) -
         loaded = sliding.replace(lock=lock)
         text = description(loaded.urdf_text)
         balls = BallArm(text, loaded.joint_names, loaded.locked, None)
+        floats = chain_of(text, loaded.joint_names, loaded.locked, None)
         for q in np.random.default_rng(1).uniform(-1.0, 1.0, (3, loaded.nv)):
             B = balls.mass_matrix([arb(x) for x in q], [arb(0)] * loaded.nv)
             M = loaded.mass_matrix(q) - np.diag(loaded.armature)
             ours = np.array([[float(B[i, j].mid()) for j in range(loaded.nv)] for i in range(loaded.nv)])
             assert ours == pytest.approx(M, rel=0.0, abs=1e-13 * np.abs(M).max())
+            assert floats.arm_mass(q) == pytest.approx(M, rel=0.0, abs=1e-13 * np.abs(M).max())
 
 
 def test_an_axis_of_any_length_is_the_direction_that_it_points_in() -> None:

@@ -568,6 +568,31 @@ def test_far_from_zero_the_grid_is_as_coarse_as_floats_are(monkeypatch: pytest.M
     assert not _followed(C, lower, lower + gap, monkeypatch)
 
 
+def test_only_forms_that_are_open_are_asked_of_a_finer_grid(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked, solve = [], np.linalg.eigvalsh
+
+    def counted(A: Array) -> Array:
+        asked.append(A.size)
+        return np.asarray(solve(A))
+
+    # 1 + a cos q: far above zero, below zero, and as close above it as takes a finer grid.
+    lows, decided = np.array([0.5, 2.0, 0.9999]), []
+    for chosen in (lows[:1], lows[1:2], lows[2:], lows):
+        C = np.zeros((5, 1, chosen.size, 6, 6))
+        C[0, 0, :, 0, 0], C[1, 0, :, 0, 0] = 1.0, chosen
+        monkeypatch.setattr(bounds, "_harmonics", lambda form, i, c, F, C=C: (C, np.zeros(C.shape[1:4])))
+        monkeypatch.setattr(Form, "columns", lambda self, i: np.eye(6)[:, :1])
+        monkeypatch.setattr(np.linalg, "eigvalsh", counted)
+        form, none = two_joints(exact=True, range_1=(0.0, 3.2)), np.zeros((1, chosen.size, 6, 6))
+        done = bounds._follow(form, none, none)
+        decided.append((done[0].tolist(), sum(asked)))
+        asked.clear()
+    (far, easy), (below, also), (close, hard), (together, work) = decided
+    assert together == [*far, *below, *close] == [True, False, True]
+    assert easy == also < hard
+    assert work == easy + also + hard
+
+
 # A box as a whole ---------------------------------------------------------------------------------------------------
 
 

@@ -556,6 +556,18 @@ def test_no_scale_of_0_is_said_to_be_proven() -> None:
         "configuration known, and proven to be below 0.75"
     )
     assert "broken for every multiple of M̄" in _said_of(Conclusion("violated", 2.0, None, 0.0, 0.0))
+    less = _said_of(Conclusion("violated", 2.0, None, 0.0, 0.5))
+    assert less.startswith("violated: broken for M̄ × 0.5, the norm")
+
+
+def test_what_is_valid_is_shown_with_what_it_is_about_and_at_which_level() -> None:
+    found = Conclusion("holds", 0.25, 0.75, 1.25, 1.5)
+    for level, said in ((1.0, False), (0.9, True)):
+        about = _subject(case(2), level=level, mbar=hexed([0.5, 0.25])).hypotheses
+        shown = CheckResult("x.cert", True, (), about, found, (), 0.1).lines()
+        assert [line for line in shown if line in found.lines()] == found.lines()
+        assert [line for line in shown if line in about.lines()] == about.lines()
+        assert any(f"the verdict is about {about.formula}" in line for line in shown) is said
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tracemalloc
+from dataclasses import replace
 from fractions import Fraction
 from itertools import product
 
@@ -173,6 +174,25 @@ def test_the_metric_that_guides_is_one(kind: str) -> None:
     q = c.copy()
     q[:, 1] = 0.0
     assert np.all(least <= least_eigenvalues(form, q) + 1e-3)
+
+
+@pytest.mark.parametrize("kind", ["lemma1", "level"])
+def test_the_metric_that_guides_does_not_depend_on_the_units_of_the_two_twists(kind: str) -> None:
+    n, factor = 4, np.array([100.0, 0.01])
+    chain, _ = arm(2, n)
+    form = form_of(chain, np.array([0.1, 0.03, 0.2, 0.05]), parsed_statement(n, kind), -np.ones(n), np.ones(n))
+    # One twist in other units and the other in their inverse: the same form, which pairs one with the other.
+    other = replace(form, mixing=form.mixing * factor[:, None])
+    c = np.random.default_rng(0).uniform(-1.0, 1.0, (3, n))
+    assert joint_space(other, c) == pytest.approx(joint_space(form, c), rel=1e-12, abs=1e-12)
+    roots, _, weak, _ = metrics(form, c)
+    found, _, moved, _ = metrics(other, c)
+    units = np.repeat(factor, 6)
+    for i in range(1, n):
+        # So is what it measures, and the cost of a cell with it.
+        expected = roots[i] / units[:, None]
+        assert found[i] == pytest.approx(expected, rel=1e-6, abs=1e-9 * np.abs(expected).max())
+        assert moved[i] == pytest.approx(weak[i] * units, rel=1e-6, abs=1e-9 * np.abs(weak[i] * units).max())
 
 
 # Halving ------------------------------------------------------------------------------------------------------------

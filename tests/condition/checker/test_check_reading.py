@@ -542,6 +542,12 @@ def test_what_contradicts_itself_is_refused(path: tuple[Any, ...], value: Any) -
         contents(_changed(path, value))
 
 
+def test_a_row_of_nothing_is_refused_with_what_is_expected() -> None:
+    for key in ("armature", "slack"):
+        with pytest.raises(Malformed, match=rf"statements\.0\.{key}: .*at least 1 item"):
+            contents(_changed(("statements", 0, key), []))
+
+
 def test_a_reason_is_one_line_that_can_be_printed() -> None:
     for key in ("\x1b[31m\n\u202e", "\ud800", "k" * 100_000):
         whole = _whole()
@@ -625,6 +631,8 @@ REFUSED: dict[str, Callable[[], str]] = {
     "a velocity of two numbers": lambda: _two(k=joint("k", "a", "b", extra=LIMIT.replace('"3"', '"1 2"'))),
     "a limit that is no number": lambda: _two(k=joint("k", "a", "b", extra=LIMIT.replace("-2", "nan"))),
     "damping that is a word": lambda: _two(k=joint("k", "a", "b", extra=LIMIT + '<dynamics damping="some"/>')),
+    "damping without end": lambda: _two(k=joint("k", "a", "b", extra=LIMIT + '<dynamics damping="inf"/>')),
+    "friction without end": lambda: _two(k=joint("k", "a", "b", extra=LIMIT + '<dynamics friction="-inf"/>')),
     "no axis": lambda: _two(k=joint("k", "a", "b", axis="0 0 0")),
     "an axis that no float has": lambda: _two(k=joint("k", "a", "b", axis="0 1e-200 0")),
     "an axis of the last floats": lambda: _two(k=joint("k", "a", "b", axis="3e-320 1e-320 0")),
@@ -636,6 +644,13 @@ def test_a_text_that_is_no_tree_of_links_is_refused(what: str) -> None:
     with pytest.raises(Unreadable) as error:
         description(REFUSED[what]())
     assert str(error.value).isprintable()
+
+
+def test_a_joint_may_turn_and_push_without_end() -> None:
+    for old in ("-2", "50", "3"):
+        endless = _two(k=joint("k", "a", "b", extra=LIMIT.replace(f'"{old}"', '"inf"')))
+        assert "inf" in endless
+        assert description(endless).children == description(_two(k=joint("k", "a", "b"))).children
 
 
 NO_NUMBERS = [
