@@ -86,7 +86,7 @@ def path_figures(commanded: Array, attained: Array, points: int = POINTS) -> tup
         along = commanded[min(tick + 1, len(commanded) - 1)] - commanded[tick - 1]
         if not np.any(along):  # it turns round on the spot: there is no plane normal to it
             continue
-        found = _crossings(attained, commanded[tick], along / np.linalg.norm(along), int(tick))
+        found = _crossings(attained, commanded[tick], along, int(tick))
         mean = found.mean(axis=0)
         accuracy = max(accuracy, float(np.linalg.norm(mean - commanded[tick])))
         if len(found) > 1:
@@ -96,7 +96,7 @@ def path_figures(commanded: Array, attained: Array, points: int = POINTS) -> tup
 
 
 def _crossings(attained: Array, point: Array, along: Array, tick: int) -> Array:
-    """Where each pass goes forwards through a plane, next in time to a tick; shape (n, 3).
+    """Where each pass goes forwards through a plane, next in time to a tick; shape (n, 3). `along` may have any length.
 
     A pass that never does counts with where it is at that tick.
     """

@@ -177,6 +177,14 @@ def test_a_robot_trips_at_the_first_tick_that_is_beyond_what_it_takes_and_says_b
     assert trips(torque=at(5, 1, 100.0))[1] is None
 
 
+def test_of_two_limits_that_are_passed_at_once_the_one_that_is_passed_by_more_is_named_and_of_equal_ones_either():
+    robot = TripLimits(torque=5.0, velocity=1.0)
+    for torque, named in ((9.0, {"velocity"}), (11.0, {"torque"}), (10.0, {"torque", "velocity"})):
+        trip = first_trip(run(6, nv=2, torque=at(2, 1, torque), v=at(2, 0, 2.0)), robot)
+        assert trip.quantity in named
+        assert trip.time == pytest.approx(0.002)
+
+
 def test_of_several_limits_the_first_counts_and_without_a_robot_there_is_no_time():
     signals = {"torque": at(4, 1, 6.0), "v": at(2, 0, 2.0)}
     assert trips(**signals)[1].quantity == "velocity"

@@ -43,7 +43,9 @@ def off_by(angles: list[float], at: float) -> Rollout:
 
 
 @pytest.mark.parametrize(
-    ("axis", "reach"), [("1 0 0", f"0 {REACH} 0"), ("0 1 0", f"0 0 {REACH}"), ("0 0 1", f"{REACH} 0 0")]
+    ("axis", "reach"),
+    [("1 0 0", f"0 {REACH} 0"), ("0 1 0", f"0 0 {REACH}"), ("0 0 1", f"{REACH} 0 0")],
+    ids=["x", "y", "z"],
 )
 @pytest.mark.parametrize("at", [0.0, 0.7])
 def test_a_joint_that_is_off_turns_the_tool_by_as_much_and_moves_it_by_the_chord(

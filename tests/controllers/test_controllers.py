@@ -10,6 +10,7 @@ import copy
 import math
 import pickle
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -22,6 +23,7 @@ from asmc_pin.controllers import (
     Baek2016,
     Bsmc,
     ParameterInfo,
+    Pid,
     Plestan2010,
     Ppc,
     Sample,
@@ -33,7 +35,7 @@ from asmc_pin.controllers import (
     signed,
     sliding_variable,
 )
-from asmc_pin.controllers.one_trial.state_rows import as_rows
+from asmc_pin.controllers.one_trial.state_rows import as_rows, named_rows
 from asmc_pin.controllers.one_trial.trial_step import WORK_ROWS, Tick
 from asmc_pin.errors import ParameterError
 
@@ -181,6 +183,18 @@ def follow(law: object, s: list[tuple[float, ...]]) -> tuple[list[list[float]], 
         gains.append(state.gain[0].tolist())
         out.append(torque[0].tolist())
     return gains, out
+
+
+def test_a_pid_meets_a_joint_that_moves_on_unaccelerated_at_the_first_tick_as_at_any_other() -> None:
+    # ė = (1, −2) stands: every tick adds k_p L ė = (8·0.5·1, 4·0.5·(−2)) and, as ė does not change, nothing by k_d.
+    law, rate = Pid(kp=[8.0, 4.0], ki=0.0, kd=2.0, period=0.5), np.array([1.0, -2.0])
+    still = setpoint((0.0, 0.0), (0.0, 0.0), (0.0, 0.0))
+    state, told = None, []
+    for k in range(3):
+        seen = Sample(-(3.0 + 0.5 * k * rate)[None], -rate[None], rows(16.0, 32.0))
+        torque, state = law.step(law.init(seen) if state is None else state, seen, still)
+        told.append(torque[0].tolist())
+    assert told == [[16.0 + 4.0, 32.0 - 4.0]] * 3
 
 
 def test_plestan_ticks() -> None:
@@ -591,6 +605,35 @@ def test_a_law_for_two_joints_refuses_an_arm_with_three() -> None:
 def test_a_sample_without_a_batch_axis_is_refused() -> None:
     with pytest.raises(ParameterError, match=r"shapes \(2,\), .* expected \(batch, nv\)"):
         Ppc(**SHARED).init(Sample(*np.zeros((3, 2))))
+
+
+@pytest.mark.parametrize("odd", range(3))
+def test_a_sample_of_which_one_field_is_of_another_shape_is_refused(odd: int) -> None:
+    fields = [np.zeros((2, 2)) for _ in range(3)]
+    fields[odd] = np.zeros((1, 2))
+    with pytest.raises(ParameterError, match=r"expected \(batch, nv\) for all three"):
+        Ppc(**SHARED).init(Sample(*fields))
+
+
+class TwoLines(NamedTuple):
+    """What a law of somebody's own remembers.
+
+    Attributes:
+        angle: The angle at the last tick, (batch, nv), as it was
+            read, rad.
+        rate: Its rate, rad/s.
+    """
+
+    angle: np.ndarray
+    rate: np.ndarray
+
+
+def test_what_is_remembered_is_told_in_the_whole_words_of_its_class() -> None:
+    told = named_rows(TwoLines(rows(1.0), rows(2.0)))
+    assert [(name, said, part.item()) for name, said, part in told] == [
+        ("angle", "The angle at the last tick, as it was read, rad.", 1.0),
+        ("rate", "Its rate, rad/s.", 2.0),
+    ]
 
 
 def test_the_table_lists_every_law_with_its_own_parameters() -> None:

@@ -17,8 +17,8 @@ from asmc_pin.arms import Arm, load_arm
 from asmc_pin.baselines import BASELINES
 from asmc_pin.baselines.model_card import model_card, suggested_model_law
 from asmc_pin.cli import main
-from asmc_pin.controllers import CONTROLLERS
-from asmc_pin.controllers.law_card import law_card, suggested
+from asmc_pin.controllers import CONTROLLERS, Ppc
+from asmc_pin.controllers.law_card import cost_per_tick, law_card, reads_of, suggested
 from asmc_pin.engine import rollout
 from asmc_pin.plant import Friction, Plant
 from asmc_pin.sampled.gain_warnings import gain_warnings
@@ -109,6 +109,29 @@ def test_a_card_says_what_reaches_the_torque_and_what_is_remembered() -> None:
     assert pid.reads == ("q", "v", "torque", "q_ref", "v_ref")
     assert set(ppc.reads) == {"q", "v", "torque", "q_ref", "v_ref", "a_ref"}
     assert adrc.remembers == ("position", "velocity", "load")
+
+
+def test_what_a_law_reads_is_found_also_where_it_takes_a_little_of_it_for_noise() -> None:
+    class Wary(Ppc):
+        def step(self, state: Any, sample: Any, setpoint: Any) -> Any:
+            return -sample.q - np.where(np.abs(sample.v) > 5.0, sample.v, 0.0), state
+
+    assert reads_of(Wary(mbar=1.0, ks=8.0, beta=8.0, period=1e-3)) == ["q", "v"]
+
+
+def test_what_a_tick_costs_is_taken_in_mid_run_from_a_state_that_the_law_gave() -> None:
+    asked: list[Any] = []
+
+    class Counting(Ppc):
+        def step(self, state: Any, sample: Any, setpoint: Any) -> Any:
+            asked.append(state)
+            torque, _, state = self.pole_placement(state, sample, setpoint)
+            return torque, state
+
+    law = Counting(mbar=1.0, ks=8.0, beta=8.0, period=1e-3)
+    assert 0.0 < cost_per_tick(law, 3, nv=2, seconds=1e-3) < 1.0
+    assert [state.ticks for state in asked] == [0] + [1] * (len(asked) - 1)
+    assert len(asked) > 20
 
 
 @pytest.mark.parametrize("name", LAWS)

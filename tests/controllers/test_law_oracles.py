@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from law_oracles import ORACLES, Oracle, of_law, run
 
-from asmc_pin.controllers import CONTROLLERS, Pid, Sta
+from asmc_pin.controllers import CONTROLLERS, Adrc, Pid, Sta
 
 WITHOUT = {"bsmc"}  # tests/controllers/test_controllers_closed_loop.py has its oracle
 
@@ -56,6 +56,22 @@ def test_gains_of_a_pid_are_those_of_the_mbar_ks_and_beta_that_stand_for_them() 
         Pid(mbar=given.mbar, ks=given.ks, beta=given.beta[0], period=2e-3).gains, given.gains, strict=True
     ):
         assert found[0] == pytest.approx(gain[0], rel=1e-12)
+
+
+def test_gains_of_a_pid_go_into_another_loop_as_those_of_its_twin_do() -> None:
+    twin = Pid(mbar=[0.6, 0.2], ks=12.0, beta=9.0, period=2e-3)
+    given = Pid(**dict(zip(("kp", "ki", "kd"), twin.gains, strict=True)), period=2e-3)
+    loop = (np.array([1.8, 0.1]), np.full(2, 6.0), np.full(2, 20.0), 2e-3)
+    np.testing.assert_allclose(given.with_loop(*loop).gains, twin.with_loop(*loop).gains, rtol=1e-9)
+
+
+@pytest.mark.parametrize("observer_hz", [15.0, np.inf])
+def test_where_the_mass_is_known_and_free_adrc_accelerates_by_just_what_its_errors_ask_for(observer_hz: float) -> None:
+    """q̈ = q̈_d + (K_s + β) ė + β K_s e in every period: its observer then errs in nothing, however slow it is."""
+    law = Adrc(mbar=1.3, observer_hz=observer_hz, ks=12.0, beta=9.0, period=1e-3)
+    trace = run(law, 1.3, ticks=12, load=np.zeros((12, 1)), start=(0.02, 0.5))
+    assert np.abs(trace.rate).min() > 0.3
+    np.testing.assert_allclose(trace.a, trace.wanted[:-1], rtol=0.0, atol=1e-7)
 
 
 def test_every_law_has_an_oracle() -> None:

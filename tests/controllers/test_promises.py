@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from asmc_pin.controllers.promises import twisting_order
 from asmc_pin.controllers.promises.bounded_gain import BoundedByEnergy
 from asmc_pin.controllers.promises.kept_width import KeptWidth
 from asmc_pin.controllers.promises.run_history import History, gathered
 from asmc_pin.controllers.promises.terminal_time import TerminalTime
-from asmc_pin.controllers.promises.twisting_order import TwistingOrder
+from asmc_pin.controllers.promises.twisting_order import TwistingOrder, bounds_of, reach_of
 
 L, BETA, TICKS = 1e-3, 8.0, 50
 
@@ -84,6 +85,22 @@ def test_the_longest_period_that_is_named_is_the_longest_at_which_no_push_takes_
     assert not stays(law, push, 20.0, 1.001 * longest, ks)
 
 
+@pytest.mark.parametrize(
+    ("period", "limit", "push", "beta", "ks"), [(0.2, 0.08, 0.1, 1.0, 2.0), (0.3, 0.03, 0.03, 0.5, 1.0)]
+)
+def test_a_gain_so_steep_that_s_turns_round_at_once_still_keeps_a_weak_push_within_the_width(
+    period: float, limit: float, push: float, beta: float, ks: float
+) -> None:
+    """From no s on does the next one grow with it: the worst place is 0, and nothing outside of the width counts."""
+    law = KeptWidth(0.05, limit, np.array(ks), beta, period)
+    assert period > 0.05
+    assert stays(law, push, limit, period, ks)
+    assert law.kept(push, limit, period, ks)
+    longest = law.longest_period(push, limit, ks)
+    assert stays(law, push, limit, 0.999 * longest, ks)
+    assert not stays(law, push, limit, 1.001 * longest, ks)
+
+
 def test_the_limits_that_are_named_begin_where_they_first_exceed_the_push() -> None:
     law = KeptWidth(0.05, 20.0, np.array(8.0), BETA, 2e-3)
     low, high = law.limits(8.3, 8.0) or (np.nan, np.nan)
@@ -140,3 +157,61 @@ def test_the_first_tick_is_no_jump_of_the_push_however_small_the_gains() -> None
     found = TwistingOrder(np.array([1.0, 1.0]), np.array([1.0, 1.0]), L).findings(history(s=s))
     assert found.checked[0]
     assert (found.excess[found.checked] < 0.0).all()
+
+
+def test_a_gain_at_its_floor_may_rise_by_the_floor_a_second_where_v_allows_less() -> None:
+    promise = BoundedByEnergy(rate=1e-9, floor=0.1, epsilon=0.5, beta=BETA, period=L)
+    size = np.array([0.6, 0.1, 0.6, 0.1])
+    bound = promise.bound(size, np.full(4, 0.1), size >= 0.5, star=0.0)
+    np.testing.assert_allclose(bound, 0.1 + L * 0.1, rtol=1e-9)
+
+
+def test_a_weak_integral_leaves_twisting_on_the_cycle_of_its_root_alone() -> None:
+    """x⁺ = x + y − √|x| sgn(x) with y that stands goes to and fro between a² and −b², a² + b² = (a + b)/2.
+
+    So ẋ is (a + b)/2, at most ½ (at a = b), and a at most ¼ + 1/√8.
+    """
+    far, fast = reach_of(0.01, 0.0)
+    assert fast == pytest.approx(0.5, rel=0.03)
+    assert far == pytest.approx((0.25 + np.sqrt(0.125)) ** 2, rel=0.03)
+
+
+def test_a_rate_of_s_beyond_its_order_breaks_the_claim_however_small_s_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(twisting_order, "bounds_of", lambda ratio: (1e9, 1e6, 100.0))  # s to 1, ṡ to 0.1
+    s = np.zeros((TICKS, 2))
+    s[:, 0] = np.where(np.arange(TICKS) == 0, 1e-6, -1e-6)  # it turns slowly, and is reached
+    s[20:, 0] = -1e-6 - 3e-4 * np.arange(1, TICKS - 19)
+    found = TwistingOrder(np.ones(2), np.ones(2), L).findings(history(s=s))
+    assert (found.excess[:19] < 0.0).all()
+    np.testing.assert_allclose(found.excess[19:-1], 3e-4 / L / 0.1 - 1.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize("ratio", [5.0, 100.0, 1000.0])
+def test_where_the_integral_outweighs_the_root_the_bound_holds_for_longer_than_the_search_took(ratio: float) -> None:
+    """A loop that still grows when the search ends is not taken for one that is settled."""
+    share, far, fast = bounds_of(ratio)
+    assert 0.0 < far < np.inf
+    rng, often = np.random.default_rng(7), np.linspace(0.0, 1.0, 64)
+    x, y = rng.uniform(-1.0 - ratio, 1.0 + ratio, (2, 64))
+    most = np.zeros(2)
+    for k in range(6400):
+        speed = y - np.sign(x) * np.sqrt(np.abs(x))
+        if k > 3200:
+            most = np.maximum(most, [np.abs(x).max(), np.abs(speed).max()])
+        out, x = x * speed >= 0.0, x + speed
+        side = np.where(x >= 0.0, 1.0, -1.0)
+        push = np.where(rng.random(64) < often, np.where(out, side, -side), rng.choice([-1.0, 1.0], 64))
+        y = y - ratio * (side - share * push)
+    assert 0.3 * far < most[0] <= far
+    assert 0.3 * fast < most[1] <= fast
+
+
+def test_the_joint_whose_gains_have_no_bound_is_named_and_nothing_is_claimed_of_it() -> None:
+    s = np.zeros((TICKS, 2))
+    s[:, 0] = 1e-9
+    found = TwistingOrder(np.array([1.0, 1e-3]), np.ones(2), L).findings(history(s=s))
+    assert "joint 1" in found.seen
+    assert "of joint 2 no bound was found, k₁² is too small for k₂" in found.seen
+    alone = TwistingOrder(np.full(2, 1e-3), np.ones(2), L).findings(history(s=s))
+    assert not alone.checked.any()
+    assert "of joint 1 no bound was found" in alone.untested

@@ -315,6 +315,21 @@ def test_the_error_of_a_low_passed_estimate_is_carried_by_one_minus_c_mbar_over_
     assert n[1:] == pytest.approx(factor * n[:-1] + 0.5 * change, abs=1e-9)
 
 
+def test_a_low_passed_estimate_begins_with_the_load_that_the_drive_already_holds(tmp_path: Path) -> None:
+    """ā = u + N from the first tick on, on a slope: Γ̂ begins at −M̄⁻¹ times the torque that keeps the mass at rest."""
+    arm, law = slider(tmp_path, 2.0, 0.3), Dob(mbar=1.5, cutoff_hz=20.0, period=1e-3, **SHARED)
+    assert law.estimate_weight < 0.2
+    seen = rollout(Plant(arm, friction=SMOOTH), law, Accelerating(np.array([2.0])), 0.01)
+    signals = monitor(seen, arm, law).signals
+    assert signals is not None
+    weight = 2.0 * 9.81 * np.sin(0.3)
+    assert signals.estimate[0, 0, 0] == pytest.approx(-weight / 1.5, rel=1e-9)
+    wanted = seen.a_ref + law.ks * (seen.v_ref - seen.v[0]) + law.beta * seen.s[0]
+    np.testing.assert_allclose(
+        np.diff(seen.v[0], axis=0) / 1e-3 - wanted[:-1], signals.error[0, :-1], rtol=0.0, atol=1e-9
+    )
+
+
 def test_the_theorem_says_nothing_of_the_implicit_form_of_its_law(tmp_path: Path) -> None:
     law, arm = law_of("baek2016", mbar=1.5, switching="implicit"), slider(tmp_path, 2.0)
     found = monitor(rollout(Plant(arm, friction=SMOOTH), law, Accelerating(np.array([2.0])), 0.05), arm, law)

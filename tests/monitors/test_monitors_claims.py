@@ -17,6 +17,7 @@ from asmc_pin.engine import Rollout, rollout
 from asmc_pin.monitors import BAEK, CAUSES, STATEMENTS, STATUSES, Monitors, claim_rows, monitor, monitor_dataset
 from asmc_pin.monitors.claim_texts import judge, percent
 from asmc_pin.monitors.claim_verdicts import _lemma2, contraction
+from asmc_pin.monitors.law_signals import Signals
 from asmc_pin.monitors.lyapunov_monitor import gain_bounds, lyapunov_of
 from asmc_pin.monitors.tde_monitor import Contraction
 from asmc_pin.plant import Disturbance, Drive, Friction, Plant, Sensor
@@ -189,7 +190,7 @@ def test_a_run_that_ends_before_its_time_is_up_refutes_no_finite_t_eps(arm: Arm)
     _, found = run(arm, law_of(epsilon=1e-6), 0.05, offset=0.3)
     claim = found.claim("t_eps")
     assert claim.status == "not tested"
-    assert "V(0)/(βε²) allows" in claim.reason
+    assert "s did not enter ‖s‖_∞ < ε by 0.05 s, but V(0)/(βε²) allows" in claim.reason
     assert found.claim("eq21").status == "not tested"
     assert np.isnan(found.t_eps[0])
 
@@ -202,6 +203,7 @@ def test_s_that_stays_out_for_longer_than_v_allows_breaks_the_finite_time(arm: A
     claim = monitor(seen, world, law).claim("t_eps")
     assert claim.status == "broken"
     assert claim.reason.startswith("saturation")
+    assert claim.worst_time == seen.time[-1]
     assert claim.amount == pytest.approx(claim.worst_time - claim.first_time)
     # One claim that is broken once has one cause.
     assert claim.causes == {"saturation": 1}
@@ -259,6 +261,26 @@ def test_growth_of_n_by_round_off_of_its_largest_value_is_none() -> None:
 
     assert judged(0.9e-6) == "held"
     assert judged(1.1e-6) == "broken"
+
+
+@pytest.mark.parametrize(("carried", "itself"), [(0.5, False), (0.999, False), (1.0, True), (1.5, True), (3.0, True)])
+def test_growth_is_sampling_s_only_where_the_old_error_by_itself_would_have_shrunk(
+    carried: float, itself: bool
+) -> None:
+    nothing = np.full(2, np.nan)
+    found = Contraction(nothing, np.ones(2), np.array([0.5, np.nan]), np.array([carried, np.nan]), {})
+    claim = contraction(0, np.arange(2.0), found)
+    assert (claim.status, claim.broken) == ("broken", 1)
+    assert claim.causes == ({} if itself else {"sampling": 1})
+    assert ("the old error grows by itself in 1 ticks" in claim.reason) is itself
+
+
+def test_s_crosses_where_its_sign_at_the_next_tick_is_another_and_that_of_0_is_plus() -> None:
+    law = Baek2016(mbar=[1.0, 1.0], period=0.01, ks=8.0, beta=8.0, phi=400.0, alpha=0.25, epsilon=0.01)
+    s = np.array([[[0.3, 1.0], [-0.2, 1.0], [-0.1, 1.0], [0.0, 1.0], [0.2, 1.0], [0.1, -1.0]]])
+    nothing = np.zeros_like(s)
+    found = lyapunov_of(Signals(s, nothing, nothing, nothing, nothing, {}), nothing, law, np.ones((1, 2)), 0)
+    assert found.crossing.tolist() == [True, False, True, False, True, False]
 
 
 def test_the_bound_of_a_gain_is_that_of_v_or_of_what_counts_as_zero() -> None:

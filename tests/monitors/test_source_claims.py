@@ -11,7 +11,7 @@ import pytest
 from law_settings import required_of
 from plant_cases import Still, Waving, slider
 
-from asmc_pin.controllers import CONTROLLERS, Barrier, Ntsm, Plestan2010, Sta
+from asmc_pin.controllers import CONTROLLERS, Barrier, Ntsm, Plestan2010, Ppc, Sta
 from asmc_pin.controllers.law_card import suggested
 from asmc_pin.controllers.promises import twisting_order
 from asmc_pin.controllers.promises.bounded_gain import BoundedByEnergy
@@ -20,9 +20,9 @@ from asmc_pin.controllers.promises.run_history import Findings
 from asmc_pin.controllers.promises.terminal_time import TerminalTime
 from asmc_pin.controllers.promises.twisting_order import bounds_of, reach_of
 from asmc_pin.engine import Rollout, rollout
-from asmc_pin.monitors import STATEMENTS, Claim, monitor
-from asmc_pin.monitors.run_again import recorded
-from asmc_pin.monitors.source_claims import _kept
+from asmc_pin.monitors import CAUSES, STATEMENTS, Claim, monitor
+from asmc_pin.monitors.run_again import recorded, tried_again
+from asmc_pin.monitors.source_claims import _causes, _kept
 from asmc_pin.plant import Disturbance, Friction, Plant
 
 SOURCES = [key for key, item in STATEMENTS.items() if item.sources]
@@ -298,3 +298,34 @@ def test_a_claim_is_kept_where_it_was_tested_and_nothing_exceeds_it(
     law = Promising(**GAINS, width=0.05, limit=20.0, period=1e-3)
     run, _ = ran(law, tmp_path, seconds=1e-3)
     assert _kept("width", run, law) == kept
+
+
+def test_a_trial_is_run_again_from_where_it_began_at_shorter_periods_up_to_the_first_that_keeps_the_claim(
+    tmp_path: Path,
+) -> None:
+    law, again = Ppc(**GAINS, period=4e-3), []
+    world = Plant(slider(tmp_path, 2.0), friction=SMOOTH, effort_limit=np.inf)
+    run = rollout(world, law, Still(np.zeros(1)), 0.016, q0=[[0.1], [0.3]], v0=[[0.0], [0.7]], batch=2)
+
+    def kept(other: Rollout, tried: Any) -> bool:
+        again.append(other)
+        return bool(tried.period < 1.5e-3)
+
+    said = tried_again(run, 1, 1, world, law, ("period",), kept)
+    assert said == "run again: with period = 0.001 it holds; with period = 0.002 it does not"
+    for other in again:
+        assert (other.q[0, 0, 0], other.v[0, 0, 0]) == (0.3, 0.7)
+        assert other.time[-1] == pytest.approx(run.time[-1])
+
+
+@pytest.mark.parametrize(
+    ("norm", "cause"), [(0.9, CAUSES.index("sampling")), (1.0, -1), (1.2, -1), (np.nan, CAUSES.index("sampling"))]
+)
+def test_no_period_is_blamed_where_lemma_1_is_broken_between_the_last_kept_tick_and_the_breach(
+    tmp_path: Path, norm: float, cause: int
+) -> None:
+    run, _ = ran(barrier(), tmp_path, seconds=3e-3)
+    over, norms = np.array([-1.0, -1.0, 1.0, 1.0]), np.array([5.0, norm, 0.5, 0.5])
+    found = Findings(over, np.ones(4, dtype=bool), np.ones((4, 1)), "", "")
+    causes = _causes(found, np.ones((4, 1)), norms, np.zeros(4, dtype=bool), run)
+    assert causes[2:].tolist() == [cause, cause]

@@ -230,6 +230,33 @@ def test_the_error_under_a_drifting_load_is_that_of_the_laws_own_map(law: Any, d
         assert one_by_one == pytest.approx(system.spectral_radius(), abs=1e-10)
 
 
+def test_a_band_counts_in_the_loop_by_its_slope_also_under_gains_that_take_any_reading_out_of_it() -> None:
+    """A search makes K_s so large that s of the smallest reading is beyond Φ, and yet the set point is in the band."""
+
+    def matrix(law: Any) -> Any:
+        return closed_loop(np.diag([2.0, 1.0]), SampledLoop([0.3, 0.2], 1e8, 9.0, 1e-3, law=law)).matrix
+
+    narrow, wide = (matrix(Bsmc(mbar=1.0, gain=500.0 * width, boundary=width, **GAINS)) for width in (0.05, 1e6))
+    np.testing.assert_allclose(narrow, wide, rtol=1e-9)
+    assert np.abs(matrix(Ppc(mbar=1.0, **GAINS)) - wide).max() > 0.9 * np.abs(wide).max()
+
+
+def test_a_law_of_ones_own_that_says_nothing_of_modes_is_not_taken_apart_into_them() -> None:
+    """What it adds is no multiple of M̄, so that joints that M couples differ from what each mode alone would do."""
+
+    class Damped(Ppc):
+        def step(self, state: Any, sample: Any, setpoint: Any) -> Any:
+            torque, _, state = self.pole_placement(state, sample, setpoint)
+            return torque - 30.0 * sample.v, state
+
+    mass = np.array([[2.0, 0.9], [0.9, 1.0]])
+    loop = SampledLoop([0.3, 0.05], 12.0, 9.0, 1e-3, law=Damped(mbar=1.0, **GAINS))
+    modes = [np.array([[1.0 / ratio]]) for ratio in inertia_ratios(mass, loop.mbar)]
+    apart = max(closed_loop(mode, loop.mode).spectral_radius() for mode in modes)
+    assert abs(apart - closed_loop(mass, loop).spectral_radius()) > 1e-3
+    assert not loop.modal
+
+
 def test_along_an_experiment_the_condition_of_a_low_passed_estimate_is_that_on_c_mbar(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

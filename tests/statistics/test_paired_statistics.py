@@ -213,6 +213,15 @@ def test_a_family_holds_every_pair_by_every_metric_and_is_adjusted_as_one(rng):
     assert (failing["better"], failing["worse"], failing["ratio"]) == ("B", "C", 0.0)
 
 
+def test_an_order_that_is_certain_by_itself_may_not_be_in_a_family_of_several():
+    """Six trials of one sign have p = 2 · 2⁻⁶ = 0.031: below 5 % alone, 0.0625 as one of two."""
+    laws = {"A": np.linspace(0.5, 0.6, 6) * BASE[:6], "B": BASE[:6]}
+    (alone,) = pairwise({"error": laws})
+    assert (alone.certain, alone.p, alone.certain_in_family) == (True, pytest.approx(2.0**-5), True)
+    for item in pairwise({"error": laws, "effort": laws}):
+        assert (item.certain, item.p, item.certain_in_family) == (True, pytest.approx(2.0**-4), False)
+
+
 def test_the_best_is_named_only_where_it_is_certain():
     near = BASE * np.exp(0.05 * np.tile([1.0, -1.0], 8))  # 5 % above and below by turns: as good as BASE
     assert best_of(np.stack([2.0 * BASE, BASE, 3.0 * BASE])) == 1

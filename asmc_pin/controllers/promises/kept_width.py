@@ -73,8 +73,8 @@ class KeptWidth:
         steepest = width - math.sqrt(reach * width / (1.0 - reach * beta))  # where the next s is largest
         places = np.array([0.0, min(max(steepest, 0.0), capped), capped])
         ahead = (1.0 - reach * beta) * places - reach * self._term(places, limit)
-        at_edge = (1.0 - reach * beta) * width - reach * limit
-        return bool(ahead.max() + reach * push < width and min(float(ahead.min()), at_edge) - reach * push > -width)
+        # From there to the edge the gain stays and s grows: the next s is never less.
+        return bool(ahead.max() + reach * push < width and ahead.min() - reach * push > -width)
 
     def longest_period(self, push: float, limit: float, ks: float) -> float:
         """Longest L at which `kept` holds, s; 0 where none does."""

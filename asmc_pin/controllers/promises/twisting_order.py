@@ -17,6 +17,7 @@ SHARES = (0.5, 0.25, 0.1, 0.0)
 _MARGIN = 1.25  # over the largest that the search met
 _TICKS, _SETTLED, _TRIALS = 1600, 800, 96
 _TOO_FAR = 10.0
+_SETTLES = 1.1  # a map that is settled does not go further by so much in the last quarter than in the one before
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +110,7 @@ def bounds_of(ratio: float) -> tuple[float, float, float]:
 
 @lru_cache(maxsize=256)
 def reach_of(ratio: float, share: float) -> tuple[float, float]:
-    """Largest |x| and |y − √|x| sgn(x)| of the map in its own units, after it has settled; inf where it grows.
+    """Largest |x| and |y − √|x| sgn(x)| of the map in its own units, after it has settled; inf where it still grows.
 
     x⁺ = x + y − √|x| sgn(x), y⁺ = y − κ (sgn(x⁺) − ρu), |u| ≤ 1, with the u that helps x out and back in, with u at
     random, and with mixtures of both.
@@ -122,16 +123,20 @@ def reach_of(ratio: float, share: float) -> tuple[float, float]:
     scale = 1.0 + ratio
     x, y = rng.uniform(-scale, scale, (2, _TRIALS))
     worst = np.linspace(0.0, 1.0, _TRIALS)  # how often u is the one that does most harm
-    far = fast = 0.0
+    far = fast = before = late = 0.0
     for tick in range(_TICKS):
         root = np.sign(x) * np.sqrt(np.abs(x))
         speed = y - root
         if tick >= _SETTLED:
             far, fast = max(far, float(np.abs(x).max())), max(fast, float(np.abs(speed).max()))
+            if tick < (_SETTLED + _TICKS) // 2:
+                before = far
+            else:
+                late = max(late, float(np.abs(x).max()))
         x = x + speed
         harm = np.where(x * speed >= 0.0, 1.0, -1.0) * np.where(x >= 0.0, 1.0, -1.0)
         u = np.where(rng.random(_TRIALS) < worst, harm, np.sign(rng.standard_normal(_TRIALS)))
         y = y - ratio * (np.where(x >= 0.0, 1.0, -1.0) - share * u)
         if not np.abs(x).max() < _TOO_FAR * scale**2:
             return np.inf, np.inf
-    return far, fast
+    return (far, fast) if late <= _SETTLES * before else (np.inf, np.inf)
