@@ -124,7 +124,9 @@ def _iterate(V: Array, d: Array, e: Array, vectors: bool) -> None:
                 r = np.sqrt(f * f + g * g)
                 e[i + 1] = r
                 if r == 0.0:
+                    # Nothing is left to chase further; the rotations so far have turned coordinate i + 1 by c.
                     d[i + 1] -= p
+                    e[i] = b
                     e[k] = 0.0
                     cut = True
                     break

@@ -207,3 +207,11 @@ def test_a_follower_may_move_nothing_where_its_master_moves_something(tmp_path: 
     assert mass_matrices(arm.tree, np.array([0.3]))[0, 0] == pytest.approx(0.04, rel=1e-13)
     with pytest.raises(ArmError, match="moves link 'b', which carries no inertia"):
         load_arm(write(tmp_path, text), lock={"slave": "free", "more": 0.0})
+
+
+def test_only_where_joints_follow_are_their_values_others_than_the_coordinates(tmp_path: Path) -> None:
+    assert load_arm(write(tmp_path, geared(mimic("master", -3.0, 0.7)))).tree.coupling.follows
+    free = load_arm("two_link").tree.coupling
+    assert not free.follows
+    # Handed on as they are, down to the sign of a zero.
+    assert np.signbit(free.joints(np.array([-0.0, 0.0]))).tolist() == [True, False]

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from certificate_cases import random_tree
 from condition_cases import UR5_MBAR, chain, masses_and_mbars
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -15,6 +17,7 @@ from asmc_pin.condition import lemma1_norm, weighted_norm
 from asmc_pin.condition.norm import compiled_norms
 from asmc_pin.condition.search.samples import figures_at
 from asmc_pin.errors import NotPositiveDefinite, ParameterError
+from asmc_pin.rigid_body.mass_matrix import mass_matrices
 from asmc_pin.rigid_body.recursion import links_of
 
 KINDS = (
@@ -141,6 +144,8 @@ def test_an_indefinite_mass_is_named_with_its_eigenvalue() -> None:
         (np.eye(3), np.ones(2), "shape"),
         (np.ones((2, 3)), np.ones(2), "expected"),
         (np.eye(2), np.array([1.0, -1.0]), "positive"),
+        (np.eye(2), np.array([1.0, -0.5]), "-0.5 at index 1: every entry must be positive and finite"),
+        (np.eye(2), np.array([0.0, 1.0]), "0 at index 0: every entry must be positive and finite"),
         (np.eye(2), np.array([1.0, np.nan]), "positive and finite"),
         (np.array([[1.0, np.inf], [np.inf, 1.0]]), np.ones(2), "not finite"),
         (np.array([[1.0, 0.5], [0.0, 1.0]]), np.ones(2), "not symmetric"),
@@ -198,3 +203,19 @@ def test_gradients_equal_differences(tmp_path: Path, kind: int, prismatic: bool)
         h = 1e-6
         up, down = (figures_at(kind, arm.tree, np.tile(q, (5, 1)), mbar, 0.01 + s * h * step) for s in (1, -1))
         np.testing.assert_allclose(by_armature, (up - down) / (2 * h), rtol=1e-5, atol=1e-5 * np.abs(by_armature).max())
+
+
+def test_gradients_equal_differences_where_one_link_carries_several() -> None:
+    rng = np.random.default_rng(3)
+    parent = np.array([-1, 0, 1, 2, 2, 3, 2], dtype=np.int64)
+    n = len(parent)
+    tree = replace(random_tree(rng, n), parent=parent, armature=np.full(n, 0.05))
+    q = rng.uniform(-1.0, 1.0, n)
+    mbar = 0.5 * np.diag(mass_matrices(tree, q[None])[0])
+    gradient, by_armature = np.empty(n), np.empty(n)
+    compiled_norms.figure_gradient(
+        compiled_norms.WEIGHTED, links_of(tree), tree.armature, q, mbar, gradient, by_armature
+    )
+    h = 1e-5
+    up, down = (weighted_norm(mass_matrices(tree, q + s * h * np.eye(n)), mbar) for s in (1, -1))
+    np.testing.assert_allclose(gradient, (up - down) / (2 * h), rtol=1e-5, atol=1e-5 * np.abs(gradient).max())

@@ -165,7 +165,7 @@ def judging(mutant: Mutant, covered: Covered, among: list[str]) -> list[str]:
     """The tests, of some, that a mutant is shown, the quickest first: those that call its function.
 
     What is no function's code (a default, a constant) is not called: all tests stand for it of those files in which one
-    calls something of its module.
+    calls something of its module. Of a module of constants alone nothing can be called: all tests stand for it.
     """
     among = [name for name in among if name in covered]
     if mutant.function is not None:
@@ -173,7 +173,7 @@ def judging(mutant: Mutant, covered: Covered, among: list[str]) -> list[str]:
     else:
         inside = f"{mutant.module}:"
         near = {file_of(name) for name in among if any(each.startswith(inside) for each in covered[name][1])}
-        names = [name for name in among if file_of(name) in near]
+        names = [name for name in among if file_of(name) in near or not near]
     names.sort(key=lambda name: covered[name][0])
     most = ENOUGH if mutant.function is not None else 4.0 * ENOUGH  # all tests of its part at once
     taken, total = [], 0.0

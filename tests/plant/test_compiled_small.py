@@ -5,6 +5,7 @@ What a run is compared with is computed by Pinocchio and numpy, tick by tick, in
 
 from __future__ import annotations
 
+import threading
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ from asmc_pin.engine import Rollout, rollout
 from asmc_pin.plant import Disturbance, Drive, EndStops, Friction, PayloadChange, Plant, Sensor, Spread
 from asmc_pin.plant.compiled_run.coverage import not_compiled
 from asmc_pin.plant.compiled_run.held_dynamics import TOLERANCE, difference_from_pinocchio
+from asmc_pin.plant.compiled_run.run_state import TRIALS_PER_THREAD
+from asmc_pin.plant.compiled_run.run_ticks import run_law
 from asmc_pin.rigid_body.dynamics import bodies_of
 from asmc_pin.study.stacked_settings import Stacked
 
@@ -32,10 +35,12 @@ PLANTS: dict[str, dict[str, Any]] = {
     "frictionless": {"friction": Friction()},
     "viscous alone": {"friction": Friction(0.0, VISCOUS)},
     "friction": {"friction": SLIDING},
+    "friction of motion backwards alone": {"friction": Friction(0.0, VISCOUS, coulomb_backward=[0.8, 0.5, 0.9])},
     "friction on one joint": {"friction": Friction([0.0, 1.5, 0.0], VISCOUS)},
     "midpoint": {"friction": SLIDING, "integrator": "midpoint"},
     "midpoint without friction": {"friction": Friction(), "integrator": "midpoint", "substeps": 2},
     "rk4": {"friction": SLIDING, "integrator": "rk4"},
+    "rk4 without friction": {"friction": Friction(), "integrator": "rk4"},
     "rk4 with what is smooth": {"friction": Friction(0.0, VISCOUS), "integrator": "rk4"},
     "substeps": {"friction": SLIDING, "substeps": 3},
     "weak drives": {"friction": SLIDING, "effort_limit": [14.0, 12.0, 25.0]},
@@ -108,6 +113,11 @@ def test_the_dynamics_are_pinocchio_s(arm: Arm) -> None:
     assert difference_from_pinocchio(arm, bodies_of(arm.tree)) < TOLERANCE
 
 
+def test_the_dynamics_of_an_arm_on_a_slanted_wall_are_pinocchio_s(arm: Arm) -> None:
+    leaning = arm.replace(gravity=(3.0, -7.0, 5.0))
+    assert difference_from_pinocchio(leaning, bodies_of(leaning.tree)) < TOLERANCE
+
+
 def test_an_arm_that_nothing_pulls_is_not_refused(arm: Arm) -> None:
     """Without gravity its turning alone is what a bias is measured by."""
     assert difference_from_pinocchio(arm.replace(gravity=(0.0, 0.0, 0.0)), bodies_of(arm.tree)) > 0.1
@@ -154,6 +164,38 @@ def test_a_law_that_is_asked_at_every_tick_runs_to_the_last_bit_as_the_compiled_
     one, other = (run(arm, law(**SHARED), ticks=40, **PLANTS[plant]) for law in (InNumpy, Ppc))
     for name in HISTORIES:
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name), err_msg=name)
+
+
+class Asked:
+    """A law as a user's own: all that is known of it is that it can be asked."""
+
+    def __init__(self, law: Any) -> None:
+        self.period, self.ks, self.init, self.step = law.period, law.ks, law.init, law.step
+
+
+def test_the_gain_of_a_law_that_is_asked_at_every_tick_is_logged_as_the_compiled_one_s(arm: Arm) -> None:
+    one, other = (run(arm, law, ticks=40, friction=SLIDING) for law in (Asked(LAWS["baek2016"]), LAWS["baek2016"]))
+    assert np.ptp(other.gain) > 1.0
+    np.testing.assert_array_equal(one.gain, other.gain)
+
+
+@pytest.mark.parametrize("threads", [None, 2])
+def test_trials_run_on_as_many_threads_at_a_time_as_are_asked_for_and_on_the_caller_s_alone_by_default(
+    arm: Arm, threads: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    met = threading.Barrier(threads or 1)
+    callers = set()
+
+    def meeting(*given: Any) -> None:
+        met.wait(timeout=10.0)  # each part waits for the others: one after the other, they would never meet
+        callers.add(threading.get_ident())
+        run_law(*given)
+
+    monkeypatch.setattr("asmc_pin.plant.compiled_run.run_state.run_law", meeting)
+    plant = Plant(arm, friction=Friction(), **({} if threads is None else {"threads": threads}))
+    rollout(plant, LAWS["ppc"], Waving(START, amplitude=0.0), 1e-3, batch=2 * TRIALS_PER_THREAD)
+    assert len(callers) == (threads or 1)
+    assert (threading.get_ident() in callers) == (threads is None)
 
 
 class Lost(InNumpy):

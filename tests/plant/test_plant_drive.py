@@ -173,6 +173,15 @@ def test_a_gear_carries_its_stiffness_times_the_bend_and_its_damping_times_the_r
     assert gear_torque(drive, 0.0, -0.7) == pytest.approx(-5.0 * 0.7, rel=1e-12)
 
 
+def test_of_several_arms_that_swings_fastest_whose_link_is_lightest():
+    drive = Drive(gear=10.0, rotor_inertia=0.01, stiffness=800.0)
+    masses = np.array([3.0, 0.5, 2.0])
+    links = SimpleNamespace(free=SimpleNamespace(nv=1), mass_matrix=lambda q: masses[:, None, None])
+    gears = ElasticMechanics(links, drive, SimpleNamespace(none=True))
+    # A rotor of 1 kg m² behind its gear, against each link: ω² = k (1/m + 1/J).
+    assert gears.fastest(np.zeros((3, 1))) == pytest.approx(np.sqrt(800.0 * (1.0 / 0.5 + 1.0)), rel=1e-12)
+
+
 def test_through_its_play_a_gear_neither_pushes_nor_pulls():
     drive = Drive(gear=1.0, rotor_inertia=0.5, stiffness=2e3, damping=5.0, backlash=0.02)
     for bend in (-0.0099, 0.0, 0.0099):

@@ -135,6 +135,27 @@ def test_a_presliding_step_solves_its_equations_to_rounding(case):
     )
 
 
+def test_however_strongly_joints_pull_at_each_other_a_presliding_step_has_a_solution():
+    """Where several leave their piece on the way, the walk goes no further than the first of them does."""
+    rng = np.random.default_rng(0)
+    h = 0.1
+    for _ in range(60):
+        n = int(rng.integers(2, 6))
+        mixed = rng.normal(size=(n, n))
+        mass = mixed @ mixed.T + 10.0 ** rng.uniform(-6.0, 0.0) * np.eye(n)
+        stiff, levels = 10.0 ** rng.uniform(0.0, 5.0, (1, n)), 10.0 ** rng.uniform(-1.0, 2.0, (2, 1, n))
+        push, v = rng.normal(size=n) * 10.0 ** rng.uniform(-1.0, 3.0, n), rng.normal(size=(1, n))
+        a = np.linalg.solve(mass, push)[None]
+        nothing, next_v, impulse, next_bend = np.zeros((1, n)), np.empty((1, n)), np.zeros((1, n)), np.empty((1, n))
+        slide_or_bend(
+            mass[None], v, a, *levels, nothing, stiff, nothing, nothing, h, np.ones(1, bool), next_v, impulse, next_bend
+        )
+        carried = np.clip(stiff * h * next_v, -levels[1], levels[0])
+        terms = np.abs(mass) @ (np.abs(next_v) + np.abs(v) + h * np.abs(a))[0]
+        left = mass @ (next_v - v - h * a)[0] + h * carried[0]
+        assert np.abs(left).max() <= 1e-12 * (terms + h * np.abs(push)).max()
+
+
 def test_before_breaking_loose_it_gives_way_like_a_spring_and_springs_back(arm):
     friction = Friction(5.0, presliding=1e4, presliding_damping=100.0)
     result = run(arm, friction, lambda t: 4.0 * np.sin(np.pi * min(t, 1.0)), 2.0)

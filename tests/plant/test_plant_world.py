@@ -102,15 +102,20 @@ def test_a_wrench_at_a_link_does_the_work_of_its_force_and_moment(name, axes):
     np.testing.assert_allclose(frame.poses(q), arm.link_poses(q)[:, arm.link_names.index(link)], atol=1e-13)
 
 
-def test_a_push_at_a_link_is_felt_as_pinocchio_says():
+@pytest.mark.parametrize("axes", ["base", "link"])
+def test_a_push_at_a_link_is_felt_as_pinocchio_says(axes):
     arm = load_arm("ur5")
     q = np.array([[0.3, -1.0, 1.2, 0.4, 0.8, 0.2]])
-    push = Disturbance(profile="step", link=arm.link_names[-1], force=[10.0, -5.0, 3.0], moment=[0.0, 1.0, 0.0])
+    wrench = np.array([[10.0, -5.0, 3.0], [0.0, 1.0, 0.0]])
+    link = arm.link_names[-1]
+    push = Disturbance(profile="step", link=link, axes=axes, force=wrench[0], moment=wrench[1])
     plant = Plant(arm, disturbances=[push], friction=Friction(), substeps=1)
     motion = plant.begin(q, 0.0 * q, 1e-6)
     motion.advance()
     jacobian = FrameKinematics(arm, push.link).jacobians(q)[0]
-    expected = np.linalg.solve(arm.mass_matrix(q[0]), jacobian.T @ [10.0, -5.0, 3.0, 0.0, 1.0, 0.0])
+    if axes == "link":
+        wrench = wrench @ arm.link_poses(q)[0, arm.link_names.index(link), :3, :3].T
+    expected = np.linalg.solve(arm.mass_matrix(q[0]), jacobian.T @ wrench.ravel())
     np.testing.assert_allclose(motion.v[0] / 1e-6, expected, rtol=1e-4, atol=1e-4)
 
 
@@ -325,7 +330,13 @@ def test_arms_under_way_are_told_apart_by_when_they_begin(arm):
     changes = [PayloadChange(time=0.5, payload=1.0), PayloadChange(time=0.8)]
     found = moving_arms(Plant(arm, payload_changes=changes), 1e-3, 1.0)
     assert [each.when for each in found] == ["until 0.5 s", "from 0.5 to 0.8 s", "from 0.8 s on"]
-    assert [each.when for each in moving_arms(Plant(arm), 1e-3, 1.0)] == [""]
+    assert [each.words for each in found] == [
+        "until 0.5 s, carrying nothing",
+        "from 0.5 to 0.8 s",
+        "from 0.8 s on, carrying nothing",
+    ]
+    (always,) = moving_arms(Plant(arm), 1e-3, 1.0)
+    assert (always.when, always.words) == ("", "")
 
 
 def test_nobody_changes_the_torque_limits_under_a_plant(arm):
@@ -385,6 +396,12 @@ def test_stops_store_the_energy_of_springs_on_either_side():
     np.testing.assert_allclose(energy, [25.0, 0.0, 50.0, 0.0])
 
 
+def test_a_stop_may_be_as_soft_as_a_feather():
+    stops = StopForces(EndStops(stiffness=0.5, damping=0.0), np.array([-2.0]), np.array([1.0]))
+    np.testing.assert_allclose(stops.torque(np.array([[1.2]]), np.array([[3.0]])), [[-0.1]])
+    np.testing.assert_allclose(stops.torque(np.array([[-2.2]]), np.array([[3.0]])), [[0.1]])
+
+
 def test_a_drive_without_a_rotor_leaves_the_arm_as_it_is(arm):
     assert Plant(arm, drive=Drive()).arms[0] is arm
 
@@ -394,3 +411,11 @@ def test_a_scatter_beyond_all_arms_is_refused_by_name(what: str) -> None:
     """A standard deviation of 1 is a factor of e already; one of 1e8 is of no number."""
     with pytest.raises(ParameterError, match=what):
         Spread(**{what: 1e8})
+
+
+@pytest.mark.parametrize(("what", "most"), [("mass", 2.0), ("com", 10.0), ("inertia", 2.0), ("friction", 2.0)])
+def test_a_scatter_is_a_size_up_to_a_factor_of_e_squared_or_ten_metres(what: str, most: float) -> None:
+    assert getattr(Spread(**{what: most}), what) == most
+    for beyond in (-0.1, 1.01 * most):
+        with pytest.raises(ParameterError, match=what):
+            Spread(**{what: beyond})

@@ -37,6 +37,19 @@ def test_where_nobody_says_otherwise_no_torque_acted_before_and_each_is_reported
     np.testing.assert_array_equal(bare.torque_measured[:, 0], 0.0)
     np.testing.assert_array_equal(bare.torque_measured[:, 1:], run.torque[:, :-1])
     assert run.torque.min() > 0.5
+    begun = dataclasses.replace(bare, torque=run.torque[:, :1], held_torque=None, torque_measured=None)
+    assert begun.torque_measured.tolist() == begun.held_torque[:, None].tolist() == [[[0.0]], [[0.0]]]
+
+
+def test_one_trial_is_one_and_the_largest_of_logged_ticks_is_called_so(tmp_path):
+    plant = Plant(slider(tmp_path, 2.0), friction=Friction(), start="relaxed")
+    every, some = (
+        rollout(plant, OpenLoop(lambda t: 1.0, 1e-3), Still(np.zeros(1)), 0.02, log_every=n) for n in (1, 10)
+    )
+    assert every.lines()[0] == "1 trial of 0.02 s in periods of 0.001 s"
+    assert every.table()[0] == ["joint", "largest |e| rad (m)", "largest |τ| N·m (N)"]
+    assert some.lines()[0] == "1 trial up to 0.02 s in periods of 0.001 s, one tick in 10 logged"
+    assert some.table()[0] == ["joint", "largest logged |e| rad (m)", "largest logged |τ| N·m (N)"]
 
 
 def reach_of(arm, q):

@@ -60,7 +60,6 @@ class AskedRun(CompiledRun):
     def finish(self) -> None:
         """Write what is not written yet; of a trial that stopped, NaN from the tick at which it did."""
         self._spread()
-        self._trials.active[:] = self.stopped_at == self._ticks
         self._blank_stopped()
 
     def _spread(self) -> None:

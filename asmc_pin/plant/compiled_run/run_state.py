@@ -105,13 +105,14 @@ class CompiledRun:
         self._regroup(0)
         self._shape = 3, batch, nv
         self._look(-1)
-        self._trials.active[:] = self.stopped_at == self._ticks
+        self._trials.active[:] = self.active
         self._blank_stopped()
 
     @property
     def active(self) -> BoolArray:
         """Trials that run, (batch,)."""
-        return self._trials.active
+        running: BoolArray = self.stopped_at == self._ticks
+        return running
 
     @property
     def stopped_at(self) -> IntArray:

@@ -54,10 +54,14 @@ def test_turning_and_sliding_a_form_is_the_congruence_it_says(m: int) -> None:
         assert out == pytest.approx(slid(F, q), rel=1e-12, abs=1e-11 * np.abs(F).max())
 
 
-def covered(F: Array, slides: bool, r: float, rng: np.random.Generator) -> tuple[float, float]:
+def any_basis(m: int, rng: np.random.Generator) -> Array:
+    """The square root of some metric."""
+    return np.asarray(np.linalg.qr(rng.normal(size=(m, m)))[0] * 10.0 ** rng.uniform(-1.0, 1.0, m))
+
+
+def covered(F: Array, slides: bool, r: float, basis: Array) -> tuple[float, float]:
     """Least eigenvalue of (form − mix of the ends + loss) over a cell, and the largest of the loss."""
     m = F.shape[0]
-    basis = np.linalg.qr(rng.normal(size=(m, m)))[0] * 10.0 ** rng.uniform(-1.0, 1.0, m)
     K, work = np.empty((m, m)), np.empty((10, m, m))
     size = np.abs(F).sum(axis=1)
     assert cell_loss.loss(F, slides, r, basis, np.linalg.inv(basis), basis @ basis.T, size, K, work)
@@ -80,19 +84,28 @@ def test_the_loss_covers_all_that_a_form_does_between_the_ends_of_a_cell(m: int,
     ranges = {"narrow": (0.01, 0.1), "middling": (0.1, 1.4), "wide": (1.41, np.pi), "slide": (0.01, 0.8)}
     for _ in range(60):
         F = random_form(rng, m)
-        least, _ = covered(F, case == "slide", rng.uniform(*ranges[case]), rng)
+        least, _ = covered(F, case == "slide", rng.uniform(*ranges[case]), any_basis(m, rng))
         assert least >= -1e-12 * np.abs(F).max()
+
+
+def test_a_metric_that_favours_one_axis_does_not_let_waves_of_two_degrees_pay_for_each_other() -> None:
+    # Half a turn away the first degree has changed its sign and the second has not: each needs a part of its own.
+    F = np.zeros((6, 6))
+    F[0, 0], F[0, 2], F[2, 0] = -1.0, 0.1, 0.1
+    for far in (1.0, 10.0, 1000.0):
+        least, _ = covered(F, False, np.pi, np.diag([1.0, far, 1.0, 1.0, 1.0, 1.0]))
+        assert least >= 0.0
 
 
 def test_the_loss_is_of_second_order_in_the_width_of_a_cell() -> None:
     rng = np.random.default_rng(1)
     for slides in (False, True):
         F = random_form(np.random.default_rng(5), 6)
-        wide, narrow = (covered(F, slides, r, np.random.default_rng(2))[1] for r in (2e-2, 1e-2))
+        wide, narrow = (covered(F, slides, r, any_basis(6, np.random.default_rng(2)))[1] for r in (2e-2, 1e-2))
         assert wide / narrow == pytest.approx(4.0, rel=0.1)
     # And at the middle of a narrow cell it is next to nothing more than is needed.
     F = random_form(rng, 6)
-    least, loss = covered(F, False, 1e-3, rng)
+    least, loss = covered(F, False, 1e-3, any_basis(6, rng))
     assert least < 0.02 * loss
 
 
@@ -206,6 +219,18 @@ def test_the_metric_of_losses_is_what_joints_can_do_and_a_share_of_the_rigid(m: 
         assert k.inverse[1] @ k.basis[1] == pytest.approx(np.eye(m), abs=1e-10)
 
 
+def test_twists_that_nothing_before_a_joint_moves_weigh_alike_in_the_metric_of_losses() -> None:
+    k = scratch(2, 12, 1)
+    k.composite[1] = np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
+    none = np.zeros((2, 12, 12))
+    problem = Problem(
+        *(np.zeros(2, dtype=np.int64), np.zeros(2, dtype=np.bool_), np.zeros((2, 6, 6)), np.zeros((2, 6, 6)), none),
+        *(np.zeros((2, 2, 1)), np.zeros((2, 1, 1)), np.zeros(2), np.zeros(2), False, 0.5),
+    )
+    metric_of(problem, k, 1, np.zeros((12, 12)))
+    assert k.metric[1] == pytest.approx(2.0 * np.kron(np.eye(2), k.composite[1]), rel=1e-12, abs=1e-12)
+
+
 def test_no_metric_of_losses_is_singular_even_of_a_point_mass() -> None:
     arm = np.array([[0.0, -0.3, 0.2], [0.3, 0.0, -0.1], [-0.2, 0.1, 0.0]])
     k = scratch(2, 6, 1)
@@ -271,6 +296,16 @@ def test_a_polynomial_is_called_positive_over_a_range_only_where_it_is(e: int) -
         yes, no = yes + sure, no + (not sure and least > 5e-5)
     assert yes > 100
     assert no == 0
+
+
+def test_a_range_is_followed_to_its_last_angle_and_not_to_one_beside_it() -> None:
+    # In floating point −3 + (0.3 + 3) is a little less than 0.3; the last cell of a proof ends where the range does.
+    lower, upper, stack = -3.0, 0.3, np.empty((64, 4))
+    assert lower + (upper - lower) < upper
+    C = np.zeros((5, 2, 2))
+    C[0] = np.eye(2)
+    assert first_joints.positive_over_range(C, 0.0, lower, upper, stack)
+    assert stack[0, 1] == upper
 
 
 def test_eigenpairs_that_guide_the_loss_are_eigenpairs() -> None:

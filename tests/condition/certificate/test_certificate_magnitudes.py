@@ -72,7 +72,7 @@ def eliminated(D: Array, extra: float = 0.0, across: float = 0.0) -> bool:
 
 def test_what_is_left_of_an_own_form_by_cancellation_is_not_divided_by() -> None:
     # Parts of 1e6 each leave what rounding alone could have made.
-    for small, sure in ((1e-8, False), (1e-3, True)):
+    for small, sure in ((1e-8, False), (1e-5, False), (1e-3, True)):
         assert eliminated(np.array([[small]]), 1e6) == sure
         assert eliminated(np.diag([1e6, small]), 1e6) == sure
         assert eliminated(np.diag([small, 1e6]), 1e6) == sure
