@@ -129,7 +129,7 @@ def test_what_a_tick_costs_is_taken_in_mid_run_from_a_state_that_the_law_gave() 
             return torque, state
 
     law = Counting(mbar=1.0, ks=8.0, beta=8.0, period=1e-3)
-    assert 0.0 < cost_per_tick(law, 3, nv=2, seconds=1e-3) < 1.0
+    assert cost_per_tick(law, 3, nv=2, seconds=1e-3) < 1.0
     assert [state.ticks for state in asked] == [0] + [1] * (len(asked) - 1)
     assert len(asked) > 20
 

@@ -206,12 +206,13 @@ def test_where_the_integral_outweighs_the_root_the_bound_holds_for_longer_than_t
     assert 0.3 * fast < most[1] <= fast
 
 
-def test_the_joint_whose_gains_have_no_bound_is_named_and_nothing_is_claimed_of_it() -> None:
+@pytest.mark.parametrize("k1", [1e-2, 1e-3, 1e-100, 1e-170])
+def test_the_joint_whose_gains_have_no_bound_is_named_and_nothing_is_claimed_of_it(k1: float) -> None:
     s = np.zeros((TICKS, 2))
     s[:, 0] = 1e-9
-    found = TwistingOrder(np.array([1.0, 1e-3]), np.ones(2), L).findings(history(s=s))
+    found = TwistingOrder(np.array([1.0, k1]), np.ones(2), L).findings(history(s=s))
     assert "joint 1" in found.seen
     assert "of joint 2 no bound was found, k₁² is too small for k₂" in found.seen
-    alone = TwistingOrder(np.full(2, 1e-3), np.ones(2), L).findings(history(s=s))
+    alone = TwistingOrder(np.full(2, k1), np.ones(2), L).findings(history(s=s))
     assert not alone.checked.any()
     assert "of joint 1 no bound was found" in alone.untested

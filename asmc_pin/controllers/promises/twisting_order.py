@@ -17,6 +17,7 @@ SHARES = (0.5, 0.25, 0.1, 0.0)
 _MARGIN = 1.25  # over the largest that the search met
 _TICKS, _SETTLED, _TRIALS = 1600, 800, 96
 _TOO_FAR = 10.0
+_STEEPEST = 1e6  # k₂/k₁² from which on a map is far from settled when the search ends
 _SETTLES = 1.1  # a map that is settled does not go further by so much in the last quarter than in the one before
 
 
@@ -53,10 +54,12 @@ class TwistingOrder:
         term = k1 * np.sqrt(np.abs(s)) * sign + np.cumsum(length * k2 * sign, axis=0)
         push = -speed - term
         jerk[1:] = np.diff(push, axis=0) / length
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # of a k₁ that is next to nothing
+            ratio = k2 / k1**2
         over, checked = np.full_like(s, -np.inf), np.zeros(s.shape, dtype=np.bool_)
         told: list[str] = []
         for i in range(s.shape[1]):
-            share, far, fast = bounds_of(float(k2[i] / k1[i] ** 2))
+            share, far, fast = bounds_of(float(ratio[i]))
             if not np.isfinite(far):
                 told.append(f"of joint {i + 1} no bound was found, k₁² is too small for k₂")
                 continue
@@ -101,7 +104,7 @@ def _words(
 
 def bounds_of(ratio: float) -> tuple[float, float, float]:
     """Share ρ of k₂, and the bounds of s/(k₁²L²) and ṡ/(k₁²L), for k₂/k₁²; inf where no share has a bound."""
-    for share in SHARES:
+    for share in SHARES if ratio < _STEEPEST else ():
         far, fast = reach_of(round(ratio, 12), share)
         if np.isfinite(far):
             return share, _MARGIN * far, _MARGIN * fast
