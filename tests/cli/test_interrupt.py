@@ -37,14 +37,17 @@ signal.signal = heard
 
 
 def moments_of_the_imports(count: int, seed: int) -> list[int]:
-    """Calls after the handler is there: a command makes more than two million before all is imported."""
-    return [1, *sorted(random.Random(seed).sample(range(2, 2_000_000), count - 1))]
+    """Calls after the handler is there: a command makes some 1.8 million before all is imported."""
+    return [1, *sorted(random.Random(seed).sample(range(2, 1_900_000), count - 1))]
 
 
 @pytest.mark.parametrize("number", moments_of_the_imports(6, seed=1))
 def test_ctrl_c_while_python_imports_is_130(number):
     done = run(*VERIFY, before=HERE + ONCE_HEARD.format(f"after_calls({number}, press)"))
-    assert (done.returncode, done.stdout, done.stderr) == (130, "", MESSAGE + "\n")
+    assert (done.returncode, done.stdout) == (130, "")
+    *earlier, last = done.stderr.splitlines()
+    assert last == MESSAGE
+    assert all(line.startswith("asmc-pin: warning:") for line in earlier), earlier  # where all was imported already
 
 
 @pytest.mark.long
