@@ -58,6 +58,18 @@ def test_the_balance_closes_with_delay_current_loop_push_and_payload(name):
     assert np.abs(balance.residual).max() < 2e-3 * balance.turnover[0, -1]
 
 
+def test_a_payload_brings_the_energy_that_it_has_where_and_as_fast_as_it_is_when_it_is_taken_up():
+    arm = load_arm("two_link")
+    plant, run = swing(arm, "midpoint", payload_changes=[PayloadChange(time=0.15, payload=0.5)])
+    k, loaded = 150, arm.replace(payload=0.5)
+    here = run.q[0, k : k + 1], run.v[0, k : k + 1]
+    brought = mechanical_energy(loaded, *here) - mechanical_energy(arm, *here)
+    added = energy_balance(plant, run).added[0]
+    assert np.abs(run.v[0, k]).max() > 0.1, "it moves"
+    assert np.all(added[:k] == 0.0)
+    np.testing.assert_allclose(added[k:] / brought, 1.0, rtol=1e-12)
+
+
 def test_the_kinetic_energy_is_that_of_the_mass_matrix_armature_included():
     arm = load_arm("ur5", armature=0.3, payload=2.0)
     q, v = np.random.default_rng(1).normal(0.0, 1.0, (2, 4, 6))
