@@ -59,6 +59,8 @@ def test_a_loop_is_called_stable_only_where_its_whole_map_contracts_over_all_tha
         found, said = _concluded(low, high, (0.9, 1.1), verdict)
         assert (found.verdict, said) == (verdict, [])
         assert found.proven_between == pytest.approx((low, high), rel=1e-12)
+        assert found.stable_between == pytest.approx(ends, rel=1e-12)
+        assert found.shown == pytest.approx((0.9, 1.1), rel=1e-12)
         # And what is shown to grow is unstable.
         found, said = _concluded(low, high, (low, high), "stable" if stable else "unstable")
         assert (found.verdict, said) == ("stable" if stable else "unstable", [])
