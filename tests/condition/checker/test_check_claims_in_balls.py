@@ -6,14 +6,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from arm_urdf import two_arms, write
 from certificate_files import rewrite
+from coupled_urdf import coupled_tree
 from flint import arb, arb_mat
 from pydantic import ValidationError
 
-from asmc_pin import BoundsReport, SampledLoop, bounds, certify_loop, check, load_arm
+from asmc_pin import Arm, BoundsReport, SampledLoop, bounds, certify_loop, check, load_arm
+from asmc_pin._typing import Array
+from asmc_pin.condition.checker.balls.balls import BallArm
 from asmc_pin.condition.checker.balls.gravity_gain import _change
-from asmc_pin.condition.checker.balls.velocity_forces import _lack, eigenvalue_bound, largest_eigenvalue
+from asmc_pin.condition.checker.balls.velocity_forces import (
+    _lack,
+    eigenvalue_bound,
+    largest_eigenvalue,
+    velocity_forces_in_balls,
+)
 from asmc_pin.condition.checker.reading.certificate_schema import Pieces
+from asmc_pin.condition.checker.reading.urdf_text import description
+from asmc_pin.condition.inertia_bounds.velocity_force_bound import velocity_force_bound
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -31,6 +42,43 @@ def test_any_positive_vector_bounds_the_largest_eigenvalue_and_the_one_that_is_c
 def test_moments_that_are_not_known_well_are_made_up_for_by_as_much_as_that_takes() -> None:
     unsure = arb_mat([[arb(0.0, 1e-6) if i == j else arb(0) for j in range(3)] for i in range(3)])
     assert float(_lack(unsure, arb(1)).mid()) > 1e-6
+
+
+def _forces_bound(loaded: Arm, scaling: Array, largest: float | None) -> float:
+    balls = BallArm(description(loaded.urdf_text), loaded.joint_names, loaded.locked, None)
+    lower, upper = loaded.box
+    return velocity_forces_in_balls(balls, lower.tolist(), upper.tolist(), scaling.tolist(), largest)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_motion_of_a_tree_has_larger_velocity_forces_than_the_bound_in_balls(seed: int, tmp_path: Path) -> None:
+    rng = np.random.default_rng(seed)
+    loaded = load_arm(write(tmp_path, coupled_tree(rng, joints=2 + seed, followers=0)))
+    scaling = 10.0 ** rng.uniform(-0.5, 0.5, loaded.nv)
+    q, x = rng.uniform(*loaded.box, (400, loaded.nv)), rng.normal(size=(400, loaded.nv))
+    x /= np.linalg.norm(x, axis=1)[:, None]
+    forces = scaling * (loaded.bias(q, scaling * x) - loaded.gravity(q))
+    most = float(np.linalg.norm(forces, axis=1).max())
+    # A bound of λ_max at these configurations is one for what is looked at.
+    largest = float(np.linalg.eigvalsh(loaded.mass_matrix(q) * scaling * scaling[:, None]).max())
+    for bound in (None, largest):
+        enclosed = _forces_bound(loaded, scaling, bound)
+        assert most <= enclosed
+        # The prover has the same bound by other arithmetic, raised for its rounding.
+        floats = velocity_force_bound(loaded.tree, *loaded.box, scaling, bound)
+        assert enclosed <= floats <= enclosed * (1.0 + 1e-6) + 1e-11
+
+
+def test_of_two_arms_on_one_base_the_stronger_alone_bounds_the_velocity_forces(tmp_path: Path) -> None:
+    pair = load_arm(write(tmp_path, two_arms(3)))
+    left, right = (
+        load_arm(pair.source, lock={name: 0.0 for name in pair.joint_names if name.startswith(side)})
+        for side in ("right", "left")
+    )
+    ones = np.ones(3)
+    alone = [_forces_bound(each, ones, None) for each in (left, right)]
+    assert _forces_bound(pair, np.ones(6), None) == pytest.approx(max(alone), rel=1e-6)
+    assert min(alone) < 0.99 * max(alone)
 
 
 def test_what_an_error_does_within_a_period_is_its_integral() -> None:

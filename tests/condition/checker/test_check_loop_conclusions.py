@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from asmc_pin.sampled import SampledLoop, spectral_radius
 KS, BETA, PERIOD = 20.0, 12.0, 0.01
 
 
-def _told(low: float | None, high: float | None, verdict: str) -> LoopContents:
+def _told(low: float | None, high: float | None, verdict: str, gravity: Any = None) -> LoopContents:
     """A header whose statements bound λ(M⁻¹M̄) from below and from above; by floats that say no more than that."""
     said = []
     if high is not None:  # M ≻ f/2 W
@@ -27,7 +28,7 @@ def _told(low: float | None, high: float | None, verdict: str) -> LoopContents:
     seen = whole["worst"]
     for key in ("condition", "level", "upper", "scale_proven", "scale_refuted", "lower", "worst", "refuted"):
         del whole[key]
-    gains = {"ks": hexed(KS), "beta": hexed(BETA), "period": hexed(PERIOD), "verdict": verdict, "gravity": None}
+    gains = {"ks": hexed(KS), "beta": hexed(BETA), "period": hexed(PERIOD), "verdict": verdict, "gravity": gravity}
     made = contents({**whole, "about": "sampled loop", "least": seen, "largest": seen, **gains})
     assert isinstance(made, LoopContents)
     return made
@@ -58,6 +59,8 @@ def test_a_loop_is_called_stable_only_where_its_whole_map_contracts_over_all_tha
         found, said = _concluded(low, high, (0.9, 1.1), verdict)
         assert (found.verdict, said) == (verdict, [])
         assert found.proven_between == pytest.approx((low, high), rel=1e-12)
+        assert found.stable_between == pytest.approx(ends, rel=1e-12)
+        assert found.shown == pytest.approx((0.9, 1.1), rel=1e-12)
         # And what is shown to grow is unstable.
         found, said = _concluded(low, high, (low, high), "stable" if stable else "unstable")
         assert (found.verdict, said) == ("stable" if stable else "unstable", [])
@@ -87,3 +90,28 @@ def test_what_is_proven_and_shown_of_the_eigenvalues_is_printed_rounded_to_the_s
     assert re.search(r"proven over the box: \S+ < λ; shown", said(low, None))
     assert re.search(r"proven over the box: λ < \S+; shown", said(None, high))
     assert "; nothing is proven of λ; shown" in said(None, None)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "ends", "resists", "shown"),
+    [
+        (0.8, 1.2, (0.8, 1.2), True, True),
+        (0.8, 1.2, (0.5, 1.0, 2.0), True, True),
+        (0.8, 1.2, (0.8, 1.2), False, False),
+        # Eigenvalues that there may be, and no piece for them.
+        (0.8, 1.2, (0.81, 1.2), True, False),
+        (0.8, 1.2, (0.8, 1.19), True, False),
+    ],
+)
+def test_gravity_is_withstood_only_where_the_pieces_hold_all_eigenvalues_that_there_may_be(
+    low: float, high: float, ends: tuple[float, ...], resists: bool, shown: bool
+) -> None:
+    forms = [hexed([1.0] * 6)] * (len(ends) - 1)
+    claim = {"magnitude": hexed(9.81), "pieces": {"ends": hexed([*ends]), "forms": forms}}
+    inside = low * (1.0 + 1e-12), high * (1.0 - 1e-12)
+    told = _told(*inside, "stable", claim)
+    found, said = conclude_loop(told, EndsSeen(1.0, 1.0), lambda claim: resists)
+    assert found.verdict == "stable"
+    assert found.gravity == (9.81 if shown else None)
+    assert any("under gravity" in problem for problem in said) is not shown
+    assert any("up to 9.81 m/s² in any direction" in line for line in found.lines()) is shown

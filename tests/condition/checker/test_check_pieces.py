@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from arm_urdf import inertial, joint, link, robot
+from arm_urdf import inertial, joint, link, robot, two_arms
 from check_cases import KINDS, arm, case, condition_of, hexed, parsed_statement, statement, told
 from coupled_urdf import WIDE, coupled_tree, mimic
+from flint import arb, ctx
 
 from asmc_pin._typing import Array
 from asmc_pin.condition.checker.balls.balls import BallArm
-from asmc_pin.condition.checker.boxes.pieces_of_statement import StatementPart, parts_of
+from asmc_pin.condition.checker.boxes.pieces_of_statement import StatementPart, image, parts_of
 from asmc_pin.condition.checker.boxes.quadratic_form import form_of, joint_space, least_eigenvalues
 from asmc_pin.condition.checker.boxes.statements import _some_of, replay_statement
 from asmc_pin.condition.checker.reading.certificate_schema import Contents
@@ -101,6 +102,39 @@ def test_a_row_that_is_not_of_the_branch_s_joints_is_refused() -> None:
         made = _said("weighted", own, moving, np.ones(2), np.full(count, 9.0))
         with pytest.raises(Malformed, match="not one number for each joint"):
             _part(made, chain, balls)
+
+
+def test_the_box_of_the_joints_holds_every_value_that_they_have_rounding_included() -> None:
+    rng = np.random.default_rng(0)
+    for seed in range(30):
+        chain, balls, own, _ = _coupled(seed)
+        # From nothing to far away: what is rounded is as large as the far end.
+        far = 10.0 ** rng.uniform(-3.0, 3.0, len(own))
+        lower, upper = (np.zeros_like(far), far) if seed % 2 else (-far, np.zeros_like(far))
+        low, high = image(chain, lower, upper)
+        follow = balls.follow
+        for i, (c, ratio, offset) in enumerate(zip(follow.coordinate, follow.ratio, follow.offset, strict=True)):
+            with ctx.workprec(256):
+                ends = [ratio * arb(float(end[c])) + offset for end in (lower, upper)]
+                assert all(arb(float(low[i])) <= value <= arb(float(high[i])) for value in ends)
+            assert high[i] - low[i] <= abs(chain.ratio[i]) * far[c] + 1e-13 * (abs(chain.ratio[i]) * far[c] + 1.0)
+
+
+def test_a_statement_of_two_branches_is_proven_of_each_while_the_other_stands_in_the_middle() -> None:
+    names = ["left1_joint", "left2_joint", "right1_joint", "right2_joint"]
+    read = description(two_arms(2)), names, {}, None
+    chain, balls = chain_of(*read), BallArm(*read)
+    ends = case(4, lower=[0.0, -1.0, 1.0, -2.0], upper=[1.0, 2.0, 4.0, 1.0])
+    made = told(4, joints=names, mbar=hexed([1.0] * 4), cases=[ends], statements=[statement(4)])
+    parts = list(parts_of(made, made.statements[0], ONE_BOX, chain, balls.follow))
+    assert [part.joints.tolist() for part in parts] == [[0, 1], [2, 3]]
+    centre, half = np.array([0.3, 0.2]), np.array([0.1, 0.4])
+    for part, expected, still in (
+        (parts[0], [0.3, 0.2, 2.5, -0.5], [0.1, 0.4, 0.0, 0.0]),
+        (parts[1], [0.5, 0.5, 1.0, 0.2], [0.0, 0.0, 0.1, 0.4]),  # put into the box, as a cell's rounded centre is
+    ):
+        middle, width = part.among(centre, half, made.cases[0])
+        assert (middle.tolist(), width.tolist()) == (expected, still)
 
 
 @pytest.mark.parametrize("kind", ["weighted", "lemma1"])
