@@ -60,8 +60,16 @@ class Coupling:
         return np.asarray(v[..., self.coordinate] * self.ratio) if self.follows else v
 
     def forces(self, torque: Array) -> Array:
-        """Sᵀ τ: what torques at the joints, (..., n), are at the coordinates, (..., nv)."""
-        return np.asarray(torque @ self.matrix) if self.follows else torque
+        """Sᵀ τ: what torques at the joints, (..., n), are at the coordinates, (..., nv).
+
+        Joint by joint: a matrix product rounds a row in one way alone and in another among others.
+        """
+        if not self.follows:
+            return torque
+        found = np.zeros((*torque.shape[:-1], self.nv))
+        for joint, (coordinate, ratio) in enumerate(zip(self.coordinate, self.ratio, strict=True)):
+            found[..., coordinate] += ratio * torque[..., joint]
+        return found
 
     def form(self, matrix: Array) -> Array:
         """Sᵀ X S of a form in the joints' velocities, (..., n, n); shape (..., nv, nv)."""
