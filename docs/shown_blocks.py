@@ -9,6 +9,8 @@ stands in a comment right above a block:
 * ``<!-- run instead: … -->``: a quick form of the same.
 * ``<!-- before: … -->``: what a reader has by then, in the language of the block.
 * ``<!-- ends with: 0 2 -->``: exit statuses of its commands, where not all are 0.
+* ``<!-- varies: WORDS | WORDS -->``: how lines begin that differ from one processor to another, as which of many
+  that are equally good a search meets. They are not compared, and some of each beginning have to be there.
 """
 
 from __future__ import annotations
@@ -32,7 +34,7 @@ LANGUAGES = ("sh", "console", "python", "toml")
 ELSEWHERE = {"docs/extending.md": "tests/test_extending.py"}
 
 _BLOCK = re.compile(r"((?:^<!--(?:(?!-->).)*-->\n+)*)^```([^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
-_SAID = re.compile(r"<!-- (file|not run|run instead|before|ends with): ?(.*?) ?-->", re.DOTALL)
+_SAID = re.compile(r"<!-- (file|not run|run instead|before|ends with|varies): ?(.*?) ?-->", re.DOTALL)
 _DERIVED = re.compile(r"<!-- begin ([\w-]+) -->.*?<!-- end \1 -->", re.DOTALL)
 _COMMAND = re.compile(r"^\$ ((?:.*\\\n)*.*)\n?", re.MULTILINE)
 _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
@@ -88,8 +90,18 @@ def commands(block: Block) -> list[tuple[str, str]]:
     return [(each[1], block.text[each.end() : end]) for each, end in zip(found, ends, strict=True)]
 
 
-def differs(shown: str, printed: str) -> str | None:
-    """What is not as shown: words have to be equal, numbers to two percent, and times are not looked at."""
+def differs(shown: str, printed: str, varies: str | None = None) -> str | None:
+    """What is not as shown: words have to be equal, numbers to two percent, and times are not looked at.
+
+    Of lines that vary it is enough that there are some on both sides.
+    """
+    begins = () if varies is None else tuple(varies.split(" | "))
+    for words in begins:
+        if not all(any(line.startswith(words) for line in text.splitlines()) for text in (shown, printed)):
+            return f"no line begins with {words!r} in what is shown, or in what is printed:\n{printed}"
+    shown, printed = (
+        "\n".join(line for line in text.splitlines() if not line.startswith(begins)) for text in (shown, printed)
+    )
     for one, other in zip(_lines(shown), _lines(printed), strict=False):
         numbers = [[float(number) for number in _NUMBER.findall(line)] for line in (one, other)]
         same = _NUMBER.sub("#", one) == _NUMBER.sub("#", other)

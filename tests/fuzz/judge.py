@@ -111,7 +111,7 @@ def _messages(command: str, status: int, out: str, err: str) -> Iterator[Fault]:
     first, *said = re.split(r"^asmc-pin: ", err, flags=re.MULTILINE)
     if first.strip():
         yield Fault("a stranger's words on standard error", f"{command}: {first.strip()[:60]}", err[:600])
-    refusals = [text for text in said if not text.startswith("warning: ")]
+    refusals = [text for text in said if not text.startswith(("warning: ", "compiling "))]
     if status == 2:
         if out:
             yield Fault("status 2 with standard output", command, out[:300])
